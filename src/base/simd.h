@@ -1,0 +1,104 @@
+// simd.h: the vector types of the engine and small three-component arithmetic.
+//
+// Compiler vector types: one source gives the same bits with gcc, clang, SSE2 and AVX2 as long as no
+// contraction is allowed. A point is an f32x4: x, y, z and the inverse mass.
+
+#ifndef PERCALE_SIMD_H
+#define PERCALE_SIMD_H
+
+#include <math.h>
+#include <stdint.h>
+
+typedef float f32x4 __attribute__((vector_size(16)));
+typedef float f32x8 __attribute__((vector_size(32)));
+typedef int32_t i32x8 __attribute__((vector_size(32)));
+
+static inline float dot3(f32x4 a, f32x4 b)
+{
+    f32x4 p = a * b;
+    return (p[0] + p[1]) + p[2];
+}
+
+static inline float length3(f32x4 a)
+{
+    return sqrtf(dot3(a, a));
+}
+
+/// a with its fourth component replaced.
+static inline f32x4 with_w(f32x4 a, float w)
+{
+    a[3] = w;
+    return a;
+}
+
+/// Larger of two, by component; for numbers only.
+static inline f32x8 max8(f32x8 a, f32x8 b)
+{
+    i32x8 mask = a > b;
+    return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
+}
+
+static inline f32x8 min8(f32x8 a, f32x8 b)
+{
+    i32x8 mask = a < b;
+    return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
+}
+
+/// Three doubles: what every sign-critical decision is computed in.
+typedef struct Vec3 {
+    double x, y, z;
+} Vec3;
+
+static inline Vec3 vec3(double x, double y, double z)
+{
+    return (Vec3){x, y, z};
+}
+
+static inline Vec3 vec3_of(f32x4 a)
+{
+    return (Vec3){(double)a[0], (double)a[1], (double)a[2]};
+}
+
+static inline f32x4 f32x4_of(Vec3 a, float w)
+{
+    return (f32x4){(float)a.x, (float)a.y, (float)a.z, w};
+}
+
+static inline Vec3 vadd(Vec3 a, Vec3 b)
+{
+    return (Vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline Vec3 vsub(Vec3 a, Vec3 b)
+{
+    return (Vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline Vec3 vscale(double s, Vec3 a)
+{
+    return (Vec3){s * a.x, s * a.y, s * a.z};
+}
+
+static inline double vdot(Vec3 a, Vec3 b)
+{
+    return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+
+static inline Vec3 vcross(Vec3 a, Vec3 b)
+{
+    return (Vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline double vlength(Vec3 a)
+{
+    return sqrt(vdot(a, a));
+}
+
+/// a / |a|, or zero for zero.
+static inline Vec3 vunit(Vec3 a)
+{
+    double length = vlength(a);
+    return length > 0.0 ? vscale(1.0 / length, a) : a;
+}
+
+#endif

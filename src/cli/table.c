@@ -1,0 +1,47 @@
+#include "cli/table.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static const double MEGABYTE = 1e6; // bytes
+
+static void print_quality_row(const char *name, double worst, double last)
+{
+    (void)printf("  %-26s %14.6g %14.6g\n", name, worst, last);
+}
+
+static void print_quality(const PercaleQuality *worst, const PercaleQuality *last)
+{
+    (void)printf("%-28s %14s %14s\n", "quality", "worst", "last frame");
+#define ROW(name) print_quality_row(#name, worst->name, last->name);
+    PERCALE_QUALITIES(ROW)
+#undef ROW
+}
+
+void percale_table_print(const PercaleReport *report)
+{
+    (void)printf("%s: %" PRIu64 " vertices, %" PRIu64 " triangles, %" PRIu64 " obstacle triangles\n",
+                 report->scene, report->vertices, report->triangles, report->obstacle_triangles);
+    (void)printf("%u frames, preset %s, %d threads, %s\n\n", (unsigned)report->frames, report->preset,
+                 report->threads, percale_isa_name(report->isa));
+    (void)printf("%-28s %14s %14s %14s\n", "ms per frame", "median", "p90", "last 60");
+    (void)printf("  %-26s %14.3f %14.3f %14.3f\n", "step", report->ms_per_frame_median,
+                 report->ms_per_frame_p90, report->ms_per_frame_last60);
+    (void)printf("%-28s %14s\n", "stages", "mean");
+    for (int stage = 0; stage < PERCALE_STAGE_COUNT; ++stage)
+        (void)printf("  %-26s %14.3f\n", percale_stage_name((PercaleStage)stage), report->stage_ms[stage]);
+    print_quality(&report->quality, &report->quality_last);
+    (void)printf("\n%-28s %14.1f MB\n", "peak memory", (double)report->peak_bytes / MEGABYTE);
+    (void)printf("%-26s %016" PRIx64 "\n", "state hash", report->state_hash);
+}
+
+void percale_audit_table_print(const PercaleAuditReport *report)
+{
+    (void)printf("%u cloths: %" PRIu64 " vertices, %" PRIu64 " triangles; %u obstacles: %" PRIu64
+                 " triangles; thickness %g m\n",
+                 (unsigned)report->cloths, report->vertices, report->triangles, (unsigned)report->obstacles,
+                 report->obstacle_triangles, report->thickness);
+#define ROW(name) (void)printf("  %-26s %14.6g\n", #name, report->quality.name);
+    PERCALE_QUALITIES(ROW)
+#undef ROW
+}

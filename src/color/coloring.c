@@ -1,0 +1,97 @@
+#include "color/coloring.h"
+
+#include <string.h>
+
+typedef struct Constraint {
+    const uint32_t *vertices;
+    const float *weights; // NULL: all non-zero
+    uint32_t arity;
+} Constraint;
+
+static bool takes_part(Constraint constraint, uint32_t corner, const f32x4 *points)
+{
+    return points[constraint.vertices[corner]][3] > 0.0f &&
+           (constraint.weights == NULL || constraint.weights[corner] != 0.0f);
+}
+
+/// First colour that none of the constraint's vertices has yet, COLORS_MAX for none.
+static uint32_t pick_color(Constraint constraint, const f32x4 *points, uint64_t *used)
+{
+    uint64_t taken = 0;
+    for (uint32_t k = 0; k < constraint.arity; k++) {
+        if (takes_part(constraint, k, points)) {
+            taken |= used[constraint.vertices[k]];
+        }
+    }
+    if (taken == UINT64_MAX) {
+        return COLORS_MAX;
+    }
+    uint32_t color = (uint32_t)__builtin_ctzll(~taken);
+    for (uint32_t k = 0; k < constraint.arity; k++) {
+        if (takes_part(constraint, k, points)) {
+            used[constraint.vertices[k]] |= (uint64_t)1 << color;
+        }
+    }
+    return color;
+}
+
+static void sort_by_color(PercaleColoring *coloring, const uint32_t *population)
+{
+    uint32_t start[COLORS_MAX + 1];
+    uint32_t sum = 0;
+    coloring->color_count = 0;
+    for (uint32_t color = 0; color <= COLORS_MAX; color++) {
+        start[color] = sum;
+        if (color < COLORS_MAX && population[color] > 0) {
+            coloring->color_count = color + 1;
+        }
+        sum += population[color];
+    }
+    memcpy(coloring->first, start, sizeof(start));
+    for (uint32_t color = coloring->color_count; color <= COLORS_MAX; color++) {
+        coloring->first[color] = start[COLORS_MAX]; // past the last colour begins the remainder
+    }
+    for (uint32_t i = 0; i < coloring->count; i++) {
+        coloring->order[start[coloring->color_of[i]]++] = i;
+    }
+}
+
+bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory, const uint32_t *vertices,
+                          size_t vertex_stride, const float *weights, size_t weight_stride, uint32_t arity,
+                          uint32_t count, const f32x4 *points, uint32_t point_count)
+{
+    coloring->count = 0;
+    coloring->color_count = 0;
+    memset(coloring->first, 0, sizeof(coloring->first));
+    if (!percale_memory_reserve(memory, &coloring->order, &coloring->order_capacity, count,
+                                sizeof(uint32_t)) ||
+        !percale_memory_reserve(memory, &coloring->color_of, &coloring->color_of_capacity, count, 1) ||
+        !percale_memory_reserve(memory, &coloring->used, &coloring->used_capacity, point_count,
+                                sizeof(uint64_t))) {
+        return false;
+    }
+    uint32_t population[COLORS_MAX + 1] = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        Constraint constraint = {vertices + i * vertex_stride,
+                                 weights == NULL ? NULL : weights + i * weight_stride, arity};
+        uint32_t color = pick_color(constraint, points, coloring->used);
+        coloring->color_of[i] = (uint8_t)color;
+        population[color]++;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < arity; k++) {
+            coloring->used[vertices[i * vertex_stride + k]] = 0;
+        }
+    }
+    coloring->count = count;
+    sort_by_color(coloring, population);
+    return true;
+}
+
+void percale_coloring_free(PercaleColoring *coloring, PercaleMemory *memory)
+{
+    percale_memory_free(memory, coloring->order);
+    percale_memory_free(memory, coloring->color_of);
+    percale_memory_free(memory, coloring->used);
+    *coloring = (PercaleColoring){0};
+}

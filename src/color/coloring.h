@@ -1,0 +1,37 @@
+// coloring.h: splits constraints into colours, so that no two of a colour move the same vertex.
+//
+//   in   vertices of each constraint, the weights they carry in it, inverse masses of the points
+//   out  constraints sorted by colour, inside a colour in their old order
+//
+// Greedy first fit with one 64-bit mask per vertex, in the order of the constraints, which makes the result
+// independent of threads. A vertex that can't move (inverse mass 0) or carries no weight takes no part. What
+// doesn't fit into 64 colours goes to a remainder that is solved on one thread, and is counted.
+
+#ifndef PERCALE_COLORING_H
+#define PERCALE_COLORING_H
+
+#include "base/memory.h"
+#include "base/simd.h"
+
+enum { COLORS_MAX = 64 };
+
+typedef struct PercaleColoring {
+    uint32_t color_count;
+    uint32_t first[COLORS_MAX + 1]; // colour c holds order[first[c]] .. order[first[c + 1]]
+    uint32_t count;                 // all constraints; order[first[color_count]] .. is the remainder
+    uint32_t *order;                // [count] constraint indices
+    size_t order_capacity;
+    uint8_t *color_of; // scratch
+    size_t color_of_capacity;
+    uint64_t *used; // [point_count] scratch, all zero between calls
+    size_t used_capacity;
+} PercaleColoring;
+
+/// vertices: [arity * count]; weights: [arity * count] or NULL for all non-zero; strides are in elements from
+/// one constraint to the next. points[v][3] is the inverse mass. False without memory.
+bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory, const uint32_t *vertices,
+                          size_t vertex_stride, const float *weights, size_t weight_stride, uint32_t arity,
+                          uint32_t count, const f32x4 *points, uint32_t point_count);
+void percale_coloring_free(PercaleColoring *coloring, PercaleMemory *memory);
+
+#endif

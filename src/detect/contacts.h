@@ -1,0 +1,51 @@
+// contacts.h: stencils between cloth vertices and an obstacle's surface.
+//
+//   in   active vertices, their crossings, predicted positions, the obstacle at the end pose
+//   out  stencils, ordered by vertex and feature
+//
+// A vertex gets a stencil from every feature whose region it is in: faces above it, convex edges and corners
+// by the direction to their closest point (so there is no false contact beside a convex edge, and both walls
+// of a concave one). Below the surface it gets one, out through the nearest feature. Open surfaces act from
+// their front only.
+
+#ifndef PERCALE_CONTACTS_H
+#define PERCALE_CONTACTS_H
+
+#include "detect/proximity.h"
+#include "detect/stencil.h"
+
+/// Overlap that exists when a substep begins is undone no faster than this, m/s (MATH.md, section 6.8): a
+/// start inside the body or a pinch doesn't become a shot.
+static const float EXIT_SPEED = 0.5f;
+
+typedef struct PercaleStencilList {
+    PercaleStencil *items;
+    size_t count, capacity;
+} PercaleStencilList;
+
+typedef struct PercaleContactStage {
+    const PercalePair *pair;
+    const PercaleProximity *proximity;
+    const PercaleSurface *surface;    // end pose
+    const PercaleCrossing *crossings; // [active_count]; NULL without CCD
+    bool crossings_only;              // between two passes: only vertices that have crossed
+    float dt;                         // s, of a substep
+    int thread_count;
+} PercaleContactStage;
+
+/// Per-thread scratch that is kept between calls.
+typedef struct PercaleContactScratch {
+    PercaleFeatureList features[PERCALE_MAX_THREADS];
+    PercaleStencilList stencils[PERCALE_MAX_THREADS];
+} PercaleContactScratch;
+
+/// Appends to `list`; adds the triangles looked at to *candidate_count. False without memory.
+bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
+                           PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count);
+void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory);
+
+/// Direction from a surface's feature to the free side of it at `point`, unit.
+Vec3 percale_contact_normal(const PercaleSurface *surface, Vec3 point, uint32_t triangle,
+                            const PercaleClosest *closest, int side);
+
+#endif

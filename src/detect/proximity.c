@@ -1,0 +1,107 @@
+#include "detect/proximity.h"
+
+#include "base/parallel.h"
+
+// How far beyond the reach a search looks, so that a vertex found far is not searched for again at once: a
+// share of the reach, and substeps of the present motion.
+static const float LOOKAHEAD_REACH = 1.5f;
+static const float LOOKAHEAD_SUBSTEPS = 8.0f;
+
+bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
+                              const PercaleModelObstacle *obstacle, PercaleMemory *memory)
+{
+    *proximity = (PercaleProximity){0};
+    proximity->clearance = percale_memory_new(memory, model->slot_count, sizeof(float));
+    proximity->nearest = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
+    proximity->side = percale_memory_new(memory, model->slot_count, sizeof(int8_t));
+    proximity->is_active = percale_memory_new(memory, model->slot_count, sizeof(uint8_t));
+    proximity->active = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
+    if (proximity->clearance == NULL || proximity->nearest == NULL || proximity->side == NULL ||
+        proximity->is_active == NULL || proximity->active == NULL ||
+        !percale_tree_build(&proximity->tree, obstacle->triangles, obstacle->triangle_count, model->position,
+                            memory)) {
+        percale_proximity_free(proximity, memory);
+        return false;
+    }
+    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
+        proximity->nearest[slot] = NO_TRIANGLE;
+    }
+    return true;
+}
+
+void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory)
+{
+    percale_tree_free(&proximity->tree, memory);
+    percale_memory_free(memory, proximity->clearance);
+    percale_memory_free(memory, proximity->nearest);
+    percale_memory_free(memory, proximity->side);
+    percale_memory_free(memory, proximity->is_active);
+    percale_memory_free(memory, proximity->active);
+    *proximity = (PercaleProximity){0};
+}
+
+static bool can_collide(const PercalePair *pair, uint32_t slot)
+{
+    const PercaleModel *model = pair->model;
+    return model->position[slot][3] > 0.0f &&
+           (model->cloths[model->cloth_of[slot]].mask & pair->obstacle->mask) != 0;
+}
+
+typedef enum Answer { IDLE, ACTIVE_KNOWN, ACTIVE_SEARCHED, IDLE_SEARCHED } Answer;
+
+/// Whether the slot can touch the obstacle in this substep; computes its distance when the bound doesn't
+/// tell.
+static Answer examine(PercaleProximity *proximity, const PercalePair *pair, const PercaleSurface *surface,
+                      uint32_t slot)
+{
+    if (!can_collide(pair, slot)) {
+        return IDLE;
+    }
+    const PercaleModel *model = pair->model;
+    float motion = length3(model->predicted[slot] - model->start[slot]) + proximity->motion;
+    float reach = pair_reach(pair, slot, motion);
+    if (proximity->clearance[slot] - motion > reach) {
+        return IDLE;
+    }
+    if (proximity->side[slot] != 0) {
+        return ACTIVE_KNOWN;
+    }
+    Vec3 point = vec3_of(model->start[slot]);
+    float radius = LOOKAHEAD_REACH * reach + LOOKAHEAD_SUBSTEPS * motion;
+    PercaleNearest nearest =
+        percale_surface_nearest(surface, point, (double)radius, proximity->nearest[slot]);
+    if (nearest.triangle == NO_TRIANGLE) {
+        proximity->clearance[slot] = radius;
+        return IDLE_SEARCHED;
+    }
+    proximity->nearest[slot] = nearest.triangle;
+    proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
+    proximity->side[slot] = (int8_t)percale_surface_side(surface, point, &nearest);
+    return proximity->clearance[slot] - motion > reach ? IDLE_SEARCHED : ACTIVE_SEARCHED;
+}
+
+uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
+                                  const PercaleSurface *surface, int thread_count)
+{
+    uint32_t slot_count = pair->model->slot_count;
+    uint64_t searches = 0;
+#pragma omp parallel default(none) shared(proximity, pair, surface, slot_count)                                  \
+    num_threads(threads_for(slot_count, thread_count)) reduction(+ : searches)
+    {
+        uint32_t mode = float_mode_enter();
+#pragma omp for schedule(dynamic, 512)
+        for (uint32_t slot = 0; slot < slot_count; slot++) {
+            Answer answer = examine(proximity, pair, surface, slot);
+            proximity->is_active[slot] = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
+            searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
+        }
+        float_mode_leave(mode);
+    }
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < slot_count; slot++) {
+        proximity->active[count] = slot;
+        count += proximity->is_active[slot];
+    }
+    proximity->active_count = count;
+    return searches;
+}

@@ -1,0 +1,57 @@
+// proximity.h: which cloth vertices can touch an obstacle in this substep.
+//
+//   in   start and predicted positions, the obstacle at the substep's start pose
+//   out  the active vertices, each with its nearest triangle, exact distance and side at the start
+//
+// Every vertex has a clearance, a lower bound of its distance to the obstacle. It shrinks by what the vertex
+// and the obstacle move; only when it is spent is the distance computed anew. A vertex with enough clearance
+// costs one subtraction per substep.
+
+#ifndef PERCALE_PROXIMITY_H
+#define PERCALE_PROXIMITY_H
+
+#include "detect/surface.h"
+
+typedef struct PercaleProximity {
+    PercaleTree tree;
+    float *clearance;  // [slot_count] m; distance or a lower bound of it
+    uint32_t *nearest; // [slot_count] nearest triangle when last computed, NO_TRIANGLE
+    int8_t
+        *side; // [slot_count] side at the start of this substep: +1, -1; 0: not known, clearance is a bound
+    uint8_t *is_active; // [slot_count] in this substep
+    uint32_t *active;   // [active_count] the same as a list of slots, ascending
+    uint32_t active_count;
+    float motion; // m; the farthest that one of the obstacle's vertices moves in this substep
+} PercaleProximity;
+
+/// What the stages of detection share about one obstacle and the cloth.
+typedef struct PercalePair {
+    const PercaleModel *model;
+    const PercaleModelObstacle *obstacle;
+    float reach_substeps; // substeps until contacts are found anew; the reach covers the motion until then
+} PercalePair;
+
+bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
+                              const PercaleModelObstacle *obstacle, PercaleMemory *memory);
+void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
+
+/// Finds the active vertices. The tree is at the start pose; surface->points are the start positions.
+/// Returns the number of exact distance queries.
+uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
+                                  const PercaleSurface *surface, int thread_count);
+
+/// Distance that the pair of the slot's cloth and the obstacle keeps: the mean of the two thicknesses, m.
+static inline float pair_thickness(const PercalePair *pair, uint32_t slot)
+{
+    const PercaleModelCloth *cloth = &pair->model->cloths[pair->model->cloth_of[slot]];
+    return 0.5f * (cloth->thickness + pair->obstacle->thickness);
+}
+
+/// Farthest distance at which a vertex gets a contact: its thickness, as much again, and the motion to come,
+/// m.
+static inline float pair_reach(const PercalePair *pair, uint32_t slot, float motion)
+{
+    return 2.0f * pair_thickness(pair, slot) + motion * pair->reach_substeps;
+}
+
+#endif

@@ -1,0 +1,339 @@
+#include "detect/surface.h"
+
+// Boxes are float32; a box is skipped only when it is farther than this share beyond the radius.
+static const float BOX_SLACK = 1e-5f;
+
+static void corners_of(const PercaleSurface *surface, uint32_t triangle, Vec3 corners[3])
+{
+    const uint32_t *indices = surface->mesh->triangles + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++) {
+        corners[k] = vec3_of(surface->points[indices[k]]);
+    }
+}
+
+Vec3 percale_surface_point(const PercaleSurface *surface, uint32_t triangle, const double weights[3])
+{
+    Vec3 c[3];
+    corners_of(surface, triangle, c);
+    return vadd(vadd(vscale(weights[0], c[0]), vscale(weights[1], c[1])), vscale(weights[2], c[2]));
+}
+
+// ---- traversal ----
+
+static PercaleClosest closest_on(const PercaleSurface *surface, Vec3 point, uint32_t triangle)
+{
+    Vec3 c[3];
+    corners_of(surface, triangle, c);
+    return percale_closest_on_triangle(point, c[0], c[1], c[2]);
+}
+
+static void keep_nearer(PercaleNearest *best, PercaleClosest closest, uint32_t triangle)
+{
+    if (closest.distance2 < best->closest.distance2 ||
+        (closest.distance2 <= best->closest.distance2 && triangle < best->triangle)) {
+        best->closest = closest;
+        best->triangle = triangle;
+    }
+}
+
+static float box_limit(double distance2)
+{
+    return (float)distance2 * (1.0f + BOX_SLACK);
+}
+
+/// Pushes the children within the limit, the farthest first, so that the nearest is popped next.
+static uint32_t push_near_children(PercaleTreeEntry *stack, uint32_t size, PercaleTreeEntry entry,
+                                   f32x8 distance2, float limit)
+{
+    uint32_t chosen[TREE_WIDTH];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < TREE_WIDTH; k++) {
+        if (distance2[k] <= limit) {
+            uint32_t at = count++;
+            for (; at > 0 && distance2[chosen[at - 1]] < distance2[k]; at--) {
+                chosen[at] = chosen[at - 1];
+            }
+            chosen[at] = k;
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + chosen[i]};
+    }
+    return size;
+}
+
+PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point, double radius,
+                                       uint32_t seed)
+{
+    const PercaleTree *tree = surface->tree;
+    f32x4 at = f32x4_of(point, 0.0f);
+    PercaleNearest best = {NO_TRIANGLE, {radius * radius, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
+    if (seed != NO_TRIANGLE) {
+        keep_nearer(&best, closest_on(surface, point, seed), seed);
+    }
+    PercaleTreeEntry stack[TREE_STACK];
+    uint32_t size = 0;
+    stack[size++] = tree_root(tree);
+    while (size > 0) {
+        PercaleTreeEntry entry = stack[--size];
+        f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
+        if (entry.level > 0) {
+            size = push_near_children(stack, size, entry, distance2, box_limit(best.closest.distance2));
+            continue;
+        }
+        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
+            if (distance2[k] <= box_limit(best.closest.distance2)) {
+                uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
+                keep_nearer(&best, closest_on(surface, point, triangle), triangle);
+            }
+        }
+    }
+    if (best.triangle != NO_TRIANGLE) {
+        best.foot = percale_surface_point(surface, best.triangle, best.closest.weights);
+    }
+    return best;
+}
+
+static bool append(PercaleFeatureList *list, PercaleMemory *memory, PercaleFeature feature)
+{
+    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + 1, sizeof(feature))) {
+        return false;
+    }
+    list->items[list->count++] = feature;
+    return true;
+}
+
+bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double radius, PercaleMemory *memory,
+                            PercaleFeatureList *list)
+{
+    const PercaleTree *tree = surface->tree;
+    f32x4 at = f32x4_of(point, 0.0f);
+    double radius2 = radius * radius;
+    float limit = box_limit(radius2);
+    PercaleTreeEntry stack[TREE_STACK];
+    uint32_t size = 0;
+    stack[size++] = tree_root(tree);
+    list->count = 0;
+    while (size > 0) {
+        PercaleTreeEntry entry = stack[--size];
+        f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
+        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
+            if (!(distance2[k] <= limit)) {
+                continue;
+            }
+            if (entry.level > 0) {
+                stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
+                continue;
+            }
+            uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
+            PercaleClosest closest = closest_on(surface, point, triangle);
+            if (closest.distance2 <= radius2 && !append(list, memory, (PercaleFeature){triangle, closest})) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+// ---- features ----
+
+static uint32_t edge_of(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    return surface->mesh->edges.edge_of_side[3 * (size_t)triangle + (uint32_t)(region - REGION_SIDE_0)];
+}
+
+static uint32_t vertex_of(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    return surface->mesh->triangles[3 * (size_t)triangle + (uint32_t)(region - REGION_CORNER_0)] -
+           surface->mesh->first_point;
+}
+
+uint32_t percale_surface_face_count(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    const PercaleModelObstacle *mesh = surface->mesh;
+    if (region == REGION_FACE) {
+        return 1;
+    }
+    if (region < REGION_CORNER_0) {
+        uint32_t edge = edge_of(surface, triangle, region);
+        return mesh->edges.first_side[edge + 1] - mesh->edges.first_side[edge];
+    }
+    uint32_t vertex = vertex_of(surface, triangle, region);
+    return mesh->vertex_first_face[vertex + 1] - mesh->vertex_first_face[vertex];
+}
+
+uint64_t percale_surface_feature_key(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    if (region == REGION_FACE) {
+        return triangle;
+    }
+    if (region < REGION_CORNER_0) {
+        return (uint64_t)1 << 62 | edge_of(surface, triangle, region);
+    }
+    return (uint64_t)2 << 62 | vertex_of(surface, triangle, region);
+}
+
+static Vec3 area_normal(const PercaleSurface *surface, uint32_t triangle)
+{
+    Vec3 c[3];
+    corners_of(surface, triangle, c);
+    return vcross(vsub(c[1], c[0]), vsub(c[2], c[0]));
+}
+
+Vec3 percale_surface_face_normal(const PercaleSurface *surface, uint32_t triangle)
+{
+    return vunit(area_normal(surface, triangle));
+}
+
+/// Interior angle of a triangle at its corner, rad. acos would do; atan2 keeps its digits for thin triangles.
+static double corner_angle(const PercaleSurface *surface, uint32_t triangle, uint32_t vertex)
+{
+    Vec3 c[3];
+    corners_of(surface, triangle, c);
+    const uint32_t *indices = surface->mesh->triangles + 3 * (size_t)triangle;
+    uint32_t k = indices[0] == vertex ? 0 : indices[1] == vertex ? 1 : 2;
+    Vec3 u = vsub(c[next_corner(k)], c[k]);
+    Vec3 v = vsub(c[next_corner(next_corner(k))], c[k]);
+    return atan2(vlength(vcross(u, v)), vdot(u, v));
+}
+
+static Vec3 vertex_normal(const PercaleSurface *surface, uint32_t vertex)
+{
+    const PercaleModelObstacle *mesh = surface->mesh;
+    Vec3 sum = {0.0, 0.0, 0.0};
+    for (uint32_t i = mesh->vertex_first_face[vertex]; i < mesh->vertex_first_face[vertex + 1]; i++) {
+        uint32_t face = mesh->vertex_faces[i];
+        double angle = corner_angle(surface, face, mesh->first_point + vertex);
+        sum = vadd(sum, vscale(angle, percale_surface_face_normal(surface, face)));
+    }
+    return vunit(sum);
+}
+
+Vec3 percale_surface_normal(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    if (region == REGION_FACE) {
+        return percale_surface_face_normal(surface, triangle);
+    }
+    if (region >= REGION_CORNER_0) {
+        return vertex_normal(surface, vertex_of(surface, triangle, region));
+    }
+    const PercaleEdges *edges = &surface->mesh->edges;
+    uint32_t edge = edge_of(surface, triangle, region);
+    Vec3 sum = {0.0, 0.0, 0.0};
+    for (uint32_t i = edges->first_side[edge]; i < edges->first_side[edge + 1]; i++) {
+        sum = vadd(sum, percale_surface_face_normal(surface, edges->sides[i] / 3));
+    }
+    return vunit(sum);
+}
+
+int percale_surface_side(const PercaleSurface *surface, Vec3 point, const PercaleNearest *nearest)
+{
+    Vec3 normal = percale_surface_normal(surface, nearest->triangle, nearest->closest.region);
+    return vdot(normal, vsub(point, nearest->foot)) >= 0.0 ? 1 : -1;
+}
+
+bool percale_surface_on_rim(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
+{
+    const PercaleModelObstacle *mesh = surface->mesh;
+    if (mesh->closed || region == REGION_FACE) {
+        return false;
+    }
+    if (region < REGION_CORNER_0) {
+        return percale_surface_face_count(surface, triangle, region) == 1;
+    }
+    uint32_t vertex = vertex_of(surface, triangle, region);
+    for (uint32_t i = mesh->vertex_first_face[vertex]; i < mesh->vertex_first_face[vertex + 1]; i++) {
+        uint32_t face = mesh->vertex_faces[i];
+        for (uint32_t side = 0; side < 3; side++) {
+            bool touches =
+                mesh->triangles[3 * (size_t)face + side] == mesh->first_point + vertex ||
+                mesh->triangles[3 * (size_t)face + next_corner(side)] == mesh->first_point + vertex;
+            if (touches &&
+                percale_surface_face_count(surface, face, (PercaleRegion)(REGION_SIDE_0 + side)) == 1) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// ---- crossing ----
+
+/// Six times the signed volume of a, a + along, p, q; exactly negated when p and q are swapped, so that two
+/// triangles agree about their common edge.
+static double edge_volume(Vec3 a, Vec3 along, Vec3 p, Vec3 q)
+{
+    return vdot(along, vcross(vsub(p, a), vsub(q, a)));
+}
+
+static void keep_earlier(const PercaleSurface *surface, Vec3 a, Vec3 b, uint32_t triangle,
+                         PercaleCrossing *best)
+{
+    Vec3 c[3];
+    corners_of(surface, triangle, c);
+    Vec3 normal = vcross(vsub(c[1], c[0]), vsub(c[2], c[0]));
+    double before = vdot(normal, vsub(a, c[0]));
+    double after = vdot(normal, vsub(b, c[0]));
+    if (!(before >= 0.0 && after < 0.0)) {
+        return;
+    }
+    Vec3 along = vsub(b, a);
+    double w[3]; // all <= 0 for a path against the normal through the inside
+    for (int k = 0; k < 3; k++) {
+        w[k] = edge_volume(a, along, c[(k + 1) % 3], c[(k + 2) % 3]);
+        if (w[k] > 0.0) {
+            return;
+        }
+    }
+    double sum = w[0] + w[1] + w[2];
+    double time = before / (before - after);
+    if (sum < 0.0 && (best->triangle == NO_TRIANGLE || time < best->time ||
+                      (time <= best->time && triangle < best->triangle))) {
+        *best = (PercaleCrossing){triangle, time, {w[0] / sum, w[1] / sum, w[2] / sum}};
+    }
+}
+
+/// Whether the eight child boxes overlap the path's box.
+static i32x8 overlaps(const PercaleTreeNode *node, f32x4 low, f32x4 high)
+{
+    i32x8 all = ~(i32x8){0};
+    for (int axis = 0; axis < 3; axis++) {
+        all &= (node->low[axis] <= high[axis]) & (node->high[axis] >= low[axis]);
+    }
+    return all;
+}
+
+PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Vec3 a, Vec3 b)
+{
+    const PercaleTree *tree = surface->tree;
+    f32x4 from = f32x4_of(a, 0.0f);
+    f32x4 to = f32x4_of(b, 0.0f);
+    f32x4 low = {0};
+    f32x4 high = {0};
+    for (int axis = 0; axis < 3; axis++) {
+        float l = from[axis] < to[axis] ? from[axis] : to[axis];
+        float h = from[axis] < to[axis] ? to[axis] : from[axis];
+        float slack = BOX_SLACK * (fabsf(l) + fabsf(h)); // the ends were rounded to float
+        low[axis] = l - slack;
+        high[axis] = h + slack;
+    }
+    PercaleCrossing best = {NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
+    PercaleTreeEntry stack[TREE_STACK];
+    uint32_t size = 0;
+    stack[size++] = tree_root(tree);
+    while (size > 0) {
+        PercaleTreeEntry entry = stack[--size];
+        i32x8 hit = overlaps(tree_node(tree, entry), low, high);
+        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
+            if (hit[k] == 0) {
+                continue;
+            }
+            if (entry.level > 0) {
+                stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
+            } else {
+                keep_earlier(surface, a, b, tree->order[TREE_WIDTH * entry.node + k], &best);
+            }
+        }
+    }
+    return best;
+}

@@ -1,0 +1,121 @@
+#include "detect/tree.h"
+
+#include "base/parallel.h"
+#include "model/order.h"
+
+#include <string.h>
+
+/// Fills tree->order with the triangles along the curve of their centroids.
+static bool order_triangles(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points,
+                            PercaleMemory *memory)
+{
+    float *centroids = percale_memory_new(memory, 3 * (size_t)tree->triangle_count, sizeof(float));
+    if (centroids == NULL) {
+        return false;
+    }
+    for (uint32_t t = 0; t < tree->triangle_count; t++) {
+        const uint32_t *corners = triangles + 3 * (size_t)t;
+        f32x4 sum = points[corners[0]] + points[corners[1]] + points[corners[2]];
+        memcpy(centroids + 3 * (size_t)t, &sum, 3 * sizeof(float));
+    }
+    bool complete = percale_order_along_curve(centroids, tree->triangle_count, memory, tree->order);
+    percale_memory_free(memory, centroids);
+    return complete;
+}
+
+bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
+                        const f32x4 *points, PercaleMemory *memory)
+{
+    *tree = (PercaleTree){.triangle_count = triangle_count};
+    uint32_t total = 0;
+    uint32_t count = triangle_count;
+    do {
+        count = (count + TREE_WIDTH - 1) / TREE_WIDTH;
+        tree->level_first[tree->level_count] = total;
+        tree->level_size[tree->level_count++] = count;
+        total += count;
+    } while (count > 1);
+    tree->order = percale_memory_new(memory, triangle_count, sizeof(uint32_t));
+    tree->nodes = percale_memory_new(memory, total, sizeof(tree->nodes[0]));
+    if (tree->order == NULL || tree->nodes == NULL || !order_triangles(tree, triangles, points, memory)) {
+        percale_tree_free(tree, memory);
+        return false;
+    }
+    return true;
+}
+
+void percale_tree_free(PercaleTree *tree, PercaleMemory *memory)
+{
+    percale_memory_free(memory, tree->order);
+    percale_memory_free(memory, tree->nodes);
+    *tree = (PercaleTree){0};
+}
+
+static void set_child(PercaleTreeNode *node, uint32_t child, f32x4 low, f32x4 high)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        node->low[axis][child] = low[axis];
+        node->high[axis][child] = high[axis];
+    }
+}
+
+static f32x4 min4(f32x4 a, f32x4 b)
+{
+    return (f32x4){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1], a[2] < b[2] ? a[2] : b[2], 0.0f};
+}
+
+static f32x4 max4(f32x4 a, f32x4 b)
+{
+    return (f32x4){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1], a[2] > b[2] ? a[2] : b[2], 0.0f};
+}
+
+static const f32x4 ABSENT_LOW = {INFINITY, INFINITY, INFINITY, 0.0f};
+static const f32x4 ABSENT_HIGH = {-INFINITY, -INFINITY, -INFINITY, 0.0f};
+
+static void refit_lowest(PercaleTree *tree, uint32_t node, const uint32_t *triangles, const f32x4 *points)
+{
+    for (uint32_t child = 0; child < TREE_WIDTH; child++) {
+        uint32_t place = TREE_WIDTH * node + child;
+        f32x4 low = ABSENT_LOW;
+        f32x4 high = ABSENT_HIGH;
+        for (uint32_t k = 0; place < tree->triangle_count && k < 3; k++) {
+            f32x4 p = points[triangles[3 * (size_t)tree->order[place] + k]];
+            low = min4(low, p);
+            high = max4(high, p);
+        }
+        set_child(&tree->nodes[node], child, low, high);
+    }
+}
+
+static void refit_inner(PercaleTree *tree, uint32_t level, uint32_t node)
+{
+    const PercaleTreeNode *below = tree->nodes + tree->level_first[level - 1];
+    for (uint32_t child = 0; child < TREE_WIDTH; child++) {
+        uint32_t index = TREE_WIDTH * node + child;
+        f32x4 low = ABSENT_LOW;
+        f32x4 high = ABSENT_HIGH;
+        for (int k = 0; index < tree->level_size[level - 1] && k < TREE_WIDTH; k++) {
+            f32x4 child_low = {below[index].low[0][k], below[index].low[1][k], below[index].low[2][k], 0.0f};
+            f32x4 child_high = {below[index].high[0][k], below[index].high[1][k], below[index].high[2][k],
+                                0.0f};
+            low = min4(low, child_low);
+            high = max4(high, child_high);
+        }
+        set_child(&tree->nodes[tree->level_first[level] + node], child, low, high);
+    }
+}
+
+void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, int thread_count)
+{
+#pragma omp parallel for default(none) shared(tree, triangles, points) \
+    num_threads(threads_for(tree->triangle_count, thread_count)) schedule(static)
+    for (uint32_t node = 0; node < tree->level_size[0]; node++) {
+        refit_lowest(tree, node, triangles, points);
+    }
+    for (uint32_t level = 1; level < tree->level_count; level++) {
+        for (uint32_t node = 0; node < tree->level_size[level];
+             node++) { // an eighth of the level below: short
+            refit_inner(tree, level, node);
+        }
+    }
+}

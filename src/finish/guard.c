@@ -1,0 +1,182 @@
+#include "finish/guard.h"
+
+#include "base/parallel.h"
+
+enum { ATTEMPTS = 3 }; // a second or third one is needed where the surface is folded
+
+// Share of the thickness at which a vertex is put back: outside beyond rounding, well inside the contact's
+// reach.
+static const double GAP = 0.1;
+
+/// State of one vertex at the end of the substep.
+typedef struct Judgement {
+    PercaleNearest nearest;
+    int side;
+} Judgement;
+
+static Judgement judge(const PercaleGuardStage *stage, Vec3 point, double radius, uint32_t seed)
+{
+    Judgement judgement = {percale_surface_nearest(stage->surface, point, radius, seed), 1};
+    if (judgement.nearest.triangle != NO_TRIANGLE) {
+        judgement.side = percale_surface_side(stage->surface, point, &judgement.nearest);
+    }
+    return judgement;
+}
+
+/// Below the surface and not by way of an open surface's rim.
+static bool is_below(const PercaleGuardStage *stage, const Judgement *judgement)
+{
+    return judgement->side < 0 && !percale_surface_on_rim(stage->surface, judgement->nearest.triangle,
+                                                          judgement->nearest.closest.region);
+}
+
+/// The way out: along the normal of the nearest feature.
+static Vec3 outward_at(const PercaleGuardStage *stage, Vec3 point, const PercaleNearest *nearest)
+{
+    return percale_contact_normal(stage->surface, point, nearest->triangle, &nearest->closest, -1);
+}
+
+/// Moves the vertex without giving it velocity; what it still had against the surface is taken away.
+static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 position, uint32_t triangle,
+                     const double weights[3], Vec3 normal)
+{
+    const PercaleModel *model = stage->pair->model;
+    f32x4 before = stage->predicted[slot];
+    f32x4 after = f32x4_of(position, before[3]);
+    f32x4 start = stage->start[slot] + with_w(after - before, 0.0f);
+    Vec3 carried = {0.0, 0.0, 0.0}; // how the surface moved there
+    const uint32_t *corners = stage->pair->obstacle->triangles + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++) {
+        Vec3 moved = vsub(vec3_of(model->predicted[corners[k]]), vec3_of(model->position[corners[k]]));
+        carried = vadd(carried, vscale(weights[k], moved));
+    }
+    double approach = vdot(normal, vsub(vsub(vec3_of(after), vec3_of(start)), carried));
+    if (approach < 0.0) {
+        start += f32x4_of(vscale(approach, normal), 0.0f);
+    }
+    stage->predicted[slot] = after;
+    stage->start[slot] = start;
+}
+
+/// A path through the surface ends at its point of impact, which the obstacle has carried to the end pose.
+static bool stop_at_crossing(const PercaleGuardStage *stage, uint32_t slot, double gap, uint32_t nearest)
+{
+    Vec3 from = percale_path_start(stage->pair, stage->frame, slot, nearest);
+    PercaleCrossing crossing =
+        percale_surface_first_crossing(stage->surface, from, vec3_of(stage->predicted[slot]));
+    if (crossing.triangle == NO_TRIANGLE) {
+        return false;
+    }
+    Vec3 normal = percale_surface_face_normal(stage->surface, crossing.triangle);
+    Vec3 impact = percale_surface_point(stage->surface, crossing.triangle, crossing.weights);
+    put_back(stage, slot, vadd(impact, vscale(gap, normal)), crossing.triangle, crossing.weights, normal);
+    return true;
+}
+
+/// Out through the nearest feature. From inside at the start it goes no faster than EXIT_SPEED.
+static void lift_out(const PercaleGuardStage *stage, uint32_t slot, double gap, bool was_in_front,
+                     const PercaleNearest *nearest)
+{
+    Vec3 point = vec3_of(stage->predicted[slot]);
+    Vec3 outward = outward_at(stage, point, nearest);
+    Vec3 position = vadd(nearest->foot, vscale(gap, outward));
+    double rise = vlength(vsub(position, point));
+    double most = (double)(EXIT_SPEED * stage->dt);
+    if (!was_in_front && rise > most) {
+        position = vadd(point, vscale(most / rise, vsub(position, point)));
+    }
+    put_back(stage, slot, position, nearest->triangle, nearest->closest.weights, outward);
+}
+
+static void remember(const PercaleGuardStage *stage, uint32_t slot, const Judgement *judgement, double radius)
+{
+    PercaleProximity *proximity = stage->proximity;
+    bool found = judgement->nearest.triangle != NO_TRIANGLE;
+    proximity->clearance[slot] = (float)(found ? sqrt(judgement->nearest.closest.distance2) : radius);
+    proximity->side[slot] = (int8_t)(found ? judgement->side : 0);
+    proximity->nearest[slot] = found ? judgement->nearest.triangle : proximity->nearest[slot];
+}
+
+/// How far the vertex and the obstacle together have moved in the substep, m. From the committed position:
+/// another obstacle's guard may have shifted `start`.
+static float motion_of(const PercaleGuardStage *stage, uint32_t slot)
+{
+    return length3(stage->predicted[slot] - stage->pair->model->position[slot]) + stage->proximity->motion;
+}
+
+static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t slot)
+{
+    PercaleProximity *proximity = stage->proximity;
+    const double gap = GAP * (double)pair_thickness(stage->pair, slot);
+    const bool closed = stage->pair->obstacle->closed;
+    const int start_side = proximity->side[slot];
+    double motion = (double)motion_of(stage, slot);
+    double radius =
+        ((double)proximity->clearance[slot] + motion) * (1.0 + 1e-6) + gap; // the surface is within it
+    PercaleGuardCounts counts = {0, 0, 1};
+    bool crossed = stage->test_paths && motion >= (double)proximity->clearance[slot] && start_side >= 0 &&
+                   stop_at_crossing(stage, slot, gap, proximity->nearest[slot]);
+    bool in_front =
+        crossed || start_side > 0 || (start_side == 0 && closed); // of an idle vertex the side is not known
+    Judgement judgement = judge(stage, vec3_of(stage->predicted[slot]), radius, proximity->nearest[slot]);
+    for (int i = 0; i < ATTEMPTS && is_below(stage, &judgement) && (closed || in_front); i++) {
+        lift_out(stage, slot, gap, in_front, &judgement.nearest);
+        judgement = judge(stage, vec3_of(stage->predicted[slot]), 2.0 * radius, judgement.nearest.triangle);
+        crossed = true;
+        if (!in_front) {
+            break; // one capped move per substep
+        }
+    }
+    counts.truncated = crossed;
+    counts.left_inside = is_below(stage, &judgement) && (closed || in_front);
+    remember(stage, slot, &judgement, radius);
+    return counts;
+}
+
+/// Vertices that were not active have used up some of their clearance; their distance is a bound again.
+static void spend_clearance(const PercaleGuardStage *stage, uint32_t slot)
+{
+    PercaleProximity *proximity = stage->proximity;
+    float motion = motion_of(stage, slot);
+    if (motion > 0.0f) {
+        proximity->clearance[slot] -= motion;
+        proximity->side[slot] = 0;
+    }
+}
+
+/// An idle vertex that the solver has moved farther than its clearance is judged like an active one.
+static bool is_spent(const PercaleGuardStage *stage, uint32_t slot)
+{
+    const PercaleModel *model = stage->pair->model;
+    uint32_t mask = model->cloths[model->cloth_of[slot]].mask & stage->pair->obstacle->mask;
+    return mask != 0 && stage->predicted[slot][3] > 0.0f &&
+           stage->proximity->clearance[slot] <= motion_of(stage, slot);
+}
+
+PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage)
+{
+    const PercaleProximity *proximity = stage->proximity;
+    uint32_t slot_count = stage->pair->model->slot_count;
+    uint64_t left_inside = 0;
+    uint64_t truncated = 0;
+    uint64_t searches = 0;
+#pragma omp parallel default(none) shared(stage, proximity, slot_count)                                                \
+    num_threads(threads_for(slot_count, stage->thread_count)) reduction(+ : left_inside, truncated, searches)
+    {
+        uint32_t mode = float_mode_enter();
+#pragma omp for schedule(dynamic, 512)
+        for (uint32_t slot = 0; slot < slot_count; slot++) {
+            bool known = proximity->is_active[slot] != 0;
+            if (!known && !is_spent(stage, slot)) {
+                spend_clearance(stage, slot);
+                continue;
+            }
+            PercaleGuardCounts counts = guard_vertex(stage, slot);
+            left_inside += counts.left_inside;
+            truncated += counts.truncated;
+            searches += counts.searches;
+        }
+        float_mode_leave(mode);
+    }
+    return (PercaleGuardCounts){left_inside, truncated, searches};
+}

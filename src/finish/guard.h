@@ -1,0 +1,37 @@
+// guard.h: nothing passes: after the last sweep no cloth vertex is left below an obstacle's surface, or it is
+// counted.
+//
+//   in   final predicted positions, start positions, the obstacle at the end pose, the active vertices
+//   out  corrected predicted positions, start shifted along (a correction is no velocity), clearances for the
+//   next
+//        substep
+//
+// A vertex that has crossed the surface, by its path or by its end, is put back before it, at a small gap.
+
+#ifndef PERCALE_GUARD_H
+#define PERCALE_GUARD_H
+
+#include "detect/contacts.h"
+#include "detect/paths.h"
+
+typedef struct PercaleGuardStage {
+    const PercalePair *pair;
+    PercaleProximity *proximity;
+    const PercaleSurface *surface; // end pose
+    const PercaleFrame *frame;
+    f32x4 *predicted; // [slot_count] corrected in place
+    f32x4 *start;     // [slot_count]
+    float dt;         // s
+    bool test_paths;  // ccd is on
+    int thread_count;
+} PercaleGuardStage;
+
+typedef struct PercaleGuardCounts {
+    uint64_t left_inside; // vertices that are still below the surface
+    uint64_t truncated;   // vertices that were put back
+    uint64_t searches;    // exact distance queries
+} PercaleGuardCounts;
+
+PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage);
+
+#endif

@@ -1,0 +1,429 @@
+#include "model/model.h"
+
+#include <string.h>
+
+// ---- welding: union-find over all cloth vertices, numbered cloth after cloth ----
+
+typedef struct Weld {
+    uint32_t *parent;       // [vertex_total]
+    uint32_t *first_vertex; // [cloth_count + 1]
+    uint32_t vertex_total;
+} Weld;
+
+static uint32_t root_of(uint32_t *parent, uint32_t vertex)
+{
+    while (parent[vertex] != vertex) {
+        parent[vertex] = parent[parent[vertex]];
+        vertex = parent[vertex];
+    }
+    return vertex;
+}
+
+/// The smaller number becomes the root, so that the result doesn't depend on the order of the pairs.
+static void unite(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    uint32_t root_a = root_of(parent, a);
+    uint32_t root_b = root_of(parent, b);
+    parent[root_a > root_b ? root_a : root_b] = root_a > root_b ? root_b : root_a;
+}
+
+static float gap_between(const PercaleClothObject *a, uint32_t i, const PercaleClothObject *b, uint32_t j)
+{
+    f32x4 d = {a->positions[3 * (size_t)i] - b->positions[3 * (size_t)j],
+               a->positions[3 * (size_t)i + 1] - b->positions[3 * (size_t)j + 1],
+               a->positions[3 * (size_t)i + 2] - b->positions[3 * (size_t)j + 2], 0.0f};
+    return length3(d);
+}
+
+static bool weld_closed_seams(Weld *weld, PercaleObjects *objects, PercaleMemory *memory)
+{
+    weld->first_vertex = percale_memory_new(memory, objects->cloth_count + 1, sizeof(uint32_t));
+    if (weld->first_vertex == NULL) {
+        return false;
+    }
+    for (size_t c = 0; c < objects->cloth_count; c++) {
+        weld->first_vertex[c + 1] = weld->first_vertex[c] + objects->cloths[c].vertex_count;
+    }
+    weld->vertex_total = weld->first_vertex[objects->cloth_count];
+    weld->parent = percale_memory_new(memory, weld->vertex_total, sizeof(uint32_t));
+    if (weld->parent == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < weld->vertex_total; i++) {
+        weld->parent[i] = i;
+    }
+    for (size_t s = 0; s < objects->seam_count; s++) {
+        PercaleSeamObject *seam = &objects->seams[s];
+        size_t a = percale_find_cloth(objects, seam->cloth_a);
+        size_t b = percale_find_cloth(objects, seam->cloth_b);
+        for (uint32_t i = 0; i < seam->pair_count; i++) {
+            uint32_t va = seam->vertices_a[i];
+            uint32_t vb = seam->vertices_b[i];
+            seam->welded[i] = seam->welded[i] ||
+                              gap_between(&objects->cloths[a], va, &objects->cloths[b], vb) <= SEAM_CLOSED;
+            if (seam->welded[i]) {
+                unite(weld->parent, weld->first_vertex[a] + va, weld->first_vertex[b] + vb);
+            }
+        }
+    }
+    return true;
+}
+
+// ---- slots ----
+
+/// Gives every welded group a slot, in the order in which the curves of the cloths meet it.
+static bool number_slots(PercaleModel *model, const PercaleObjects *objects, Weld *weld,
+                         PercaleMemory *memory)
+{
+    uint32_t *slot_of_root = percale_memory_new(memory, weld->vertex_total, sizeof(uint32_t));
+    model->cloth_count = (uint32_t)objects->cloth_count;
+    model->cloths = percale_memory_new(memory, objects->cloth_count, sizeof(model->cloths[0]));
+    model->cloth_of = percale_memory_new(memory, weld->vertex_total, sizeof(uint32_t));
+    bool complete = slot_of_root != NULL && model->cloths != NULL && model->cloth_of != NULL;
+    for (uint32_t i = 0; complete && i < weld->vertex_total; i++) {
+        slot_of_root[i] = UINT32_MAX;
+    }
+    for (uint32_t c = 0; complete && c < model->cloth_count; c++) {
+        const PercaleClothObject *object = &objects->cloths[c];
+        PercaleModelCloth *cloth = &model->cloths[c];
+        *cloth = (PercaleModelCloth){percale_memory_new(memory, object->vertex_count, sizeof(uint32_t)),
+                                     object->vertex_count, object->material.thickness,
+                                     object->material.friction, object->mask};
+        complete = cloth->slots != NULL;
+        for (uint32_t i = 0; complete && i < object->vertex_count; i++) {
+            uint32_t vertex = object->curve[i];
+            uint32_t root = root_of(weld->parent, weld->first_vertex[c] + vertex);
+            if (slot_of_root[root] == UINT32_MAX) {
+                model->cloth_of[model->slot_count] = c;
+                slot_of_root[root] = model->slot_count++;
+            }
+            cloth->slots[vertex] = slot_of_root[root];
+        }
+    }
+    percale_memory_free(memory, slot_of_root);
+    return complete;
+}
+
+/// Twice the area of a triangle from its side lengths (Kahan's stable form of Heron's formula), m^2.
+static double twice_area(const float lengths[3])
+{
+    double a = (double)lengths[0];
+    double b = (double)lengths[1];
+    double c = (double)lengths[2];
+    double swap;
+    if (a < b) {
+        swap = a, a = b, b = swap;
+    }
+    if (b < c) {
+        swap = b, b = c, c = swap;
+    }
+    if (a < b) {
+        swap = a, a = b, b = swap;
+    }
+    double s = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+    return s > 0.0 ? 0.5 * sqrt(s) : 0.0;
+}
+
+/// Vertex masses are summed in double; a slot takes the mass-weighted mean state of its vertices.
+static void gather_state(PercaleModel *model, const PercaleObjects *objects, double (*sums)[7])
+{
+    for (uint32_t c = 0, triangle = 0; c < model->cloth_count; c++) {
+        const PercaleClothObject *object = &objects->cloths[c];
+        for (uint32_t t = 0; t < object->triangle_count; t++, triangle++) {
+            double area = 0.5 * twice_area(object->rest_lengths + 3 * (size_t)t);
+            double mass = area * (double)object->material.density / 3.0;
+            model->triangle_areas[triangle] = (float)area;
+            for (uint32_t k = 0; k < 3; k++) {
+                uint32_t vertex = object->triangles[3 * (size_t)t + k];
+                uint32_t slot = model->cloths[c].slots[vertex];
+                model->triangles[triangle][k] = slot;
+                sums[slot][0] += mass;
+                for (uint32_t axis = 0; axis < 3; axis++) {
+                    sums[slot][1 + axis] += mass * (double)object->positions[3 * (size_t)vertex + axis];
+                    sums[slot][4 + axis] += mass * (double)object->velocities[3 * (size_t)vertex + axis];
+                }
+            }
+        }
+    }
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        const PercaleClothObject *object = &objects->cloths[c];
+        for (uint32_t i = 0; i < object->vertex_count; i++) { // alone or not, a vertex starts where it is
+            const float *x = object->positions + 3 * (size_t)i;
+            const float *v = object->velocities + 3 * (size_t)i;
+            uint32_t slot = model->cloths[c].slots[i];
+            model->position[slot] = (f32x4){x[0], x[1], x[2], 0.0f};
+            model->velocity[slot] = (f32x4){v[0], v[1], v[2], 0.0f};
+        }
+    }
+}
+
+/// A slot of one vertex keeps that vertex's bits; a welded one takes the mean.
+static void set_slot_states(PercaleModel *model, const double (*sums)[7], const uint32_t *vertices_per_slot)
+{
+    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
+        double mass = sums[slot][0];
+        if (mass > 0.0 && vertices_per_slot[slot] > 1) {
+            for (int axis = 0; axis < 3; axis++) {
+                model->position[slot][axis] = (float)(sums[slot][1 + axis] / mass);
+                model->velocity[slot][axis] = (float)(sums[slot][4 + axis] / mass);
+            }
+        }
+        model->position[slot][3] = mass > 0.0 ? (float)(1.0 / mass) : 0.0f; // in no triangle: it stays put
+    }
+}
+
+static bool build_points(PercaleModel *model, const PercaleObjects *objects, PercaleMemory *memory)
+{
+    for (size_t c = 0; c < objects->cloth_count; c++) {
+        model->triangle_count += objects->cloths[c].triangle_count;
+    }
+    model->point_count = model->slot_count;
+    for (size_t o = 0; o < objects->obstacle_count; o++) {
+        model->point_count += objects->obstacles[o].vertex_count;
+    }
+    model->position = percale_memory_new(memory, model->point_count, sizeof(f32x4));
+    model->velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
+    model->start = percale_memory_new(memory, model->point_count, sizeof(f32x4));
+    model->predicted = percale_memory_new(memory, model->point_count, sizeof(f32x4));
+    model->free_velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
+    model->triangles = percale_memory_new(memory, model->triangle_count, sizeof(model->triangles[0]));
+    model->triangle_areas = percale_memory_new(memory, model->triangle_count, sizeof(float));
+    double(*sums)[7] = percale_memory_new(memory, model->slot_count, sizeof(sums[0]));
+    uint32_t *vertices_per_slot = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
+    bool complete = model->position != NULL && model->velocity != NULL && model->start != NULL &&
+                    model->predicted != NULL && model->free_velocity != NULL && model->triangles != NULL &&
+                    model->triangle_areas != NULL && sums != NULL && vertices_per_slot != NULL;
+    if (complete) {
+        for (uint32_t c = 0; c < model->cloth_count; c++) {
+            for (uint32_t i = 0; i < model->cloths[c].vertex_count; i++) {
+                vertices_per_slot[model->cloths[c].slots[i]]++;
+            }
+        }
+        gather_state(model, objects, sums);
+        set_slot_states(model, (const double(*)[7])sums, vertices_per_slot);
+    }
+    percale_memory_free(memory, sums);
+    percale_memory_free(memory, vertices_per_slot);
+    return complete;
+}
+
+static bool build_incidence(PercaleModel *model, PercaleMemory *memory)
+{
+    model->slot_first_triangle = percale_memory_new(memory, (size_t)model->slot_count + 2, sizeof(uint32_t));
+    model->slot_triangles = percale_memory_new(memory, 3 * (size_t)model->triangle_count, sizeof(uint32_t));
+    if (model->slot_first_triangle == NULL || model->slot_triangles == NULL) {
+        return false;
+    }
+    uint32_t *cursor = model->slot_first_triangle + 1; // becomes the end of each slot's list
+    for (uint32_t side = 0; side < 3 * model->triangle_count; side++) {
+        cursor[model->triangles[side / 3][side % 3] + 1]++;
+    }
+    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
+        cursor[slot + 1] += cursor[slot];
+    }
+    for (uint32_t side = 0; side < 3 * model->triangle_count; side++) {
+        model->slot_triangles[cursor[model->triangles[side / 3][side % 3]]++] = side / 3;
+    }
+    return true;
+}
+
+// ---- pins and open seams ----
+
+static bool build_pins(PercaleModel *model, const PercaleObjects *objects, PercaleMemory *memory)
+{
+    size_t total = 0;
+    for (size_t p = 0; p < objects->pin_count; p++) {
+        total += objects->pins[p].vertex_count;
+    }
+    model->pinned_slots = percale_memory_new(memory, total, sizeof(uint32_t));
+    model->pinned_sources = percale_memory_new(memory, total, sizeof(model->pinned_sources[0]));
+    if (model->pinned_slots == NULL || model->pinned_sources == NULL) {
+        return false;
+    }
+    for (uint32_t p = 0; p < objects->pin_count; p++) {
+        const PercalePinObject *pin = &objects->pins[p];
+        size_t c = percale_find_cloth(objects, pin->cloth);
+        for (uint32_t i = 0; i < pin->vertex_count; i++) {
+            uint32_t slot = model->cloths[c].slots[pin->vertices[i]];
+            model->position[slot][3] = 0.0f;
+            model->pinned_slots[model->pinned_count] = slot;
+            model->pinned_sources[model->pinned_count][0] = p;
+            model->pinned_sources[model->pinned_count++][1] = i;
+        }
+    }
+    return true;
+}
+
+static bool build_open_seams(PercaleModel *model, const PercaleObjects *objects, PercaleMemory *memory)
+{
+    size_t total = 0;
+    for (size_t s = 0; s < objects->seam_count; s++) {
+        total += objects->seams[s].pair_count;
+    }
+    model->open_seams = percale_memory_new(memory, total, sizeof(model->open_seams[0]));
+    if (model->open_seams == NULL) {
+        return false;
+    }
+    for (uint32_t s = 0; s < objects->seam_count; s++) {
+        const PercaleSeamObject *seam = &objects->seams[s];
+        const PercaleModelCloth *a = &model->cloths[percale_find_cloth(objects, seam->cloth_a)];
+        const PercaleModelCloth *b = &model->cloths[percale_find_cloth(objects, seam->cloth_b)];
+        for (uint32_t i = 0; i < seam->pair_count; i++) {
+            uint32_t slot_a = a->slots[seam->vertices_a[i]];
+            uint32_t slot_b = b->slots[seam->vertices_b[i]];
+            if (slot_a != slot_b) {
+                model->open_seams[model->open_seam_count++] = (PercaleOpenSeam){{slot_a, slot_b}, s, i};
+            }
+        }
+    }
+    return true;
+}
+
+// ---- obstacles ----
+
+static bool is_closed(const PercaleEdges *edges, const uint32_t *triangles)
+{
+    for (uint32_t e = 0; e < edges->edge_count; e++) {
+        uint32_t first = edges->first_side[e];
+        if (edges->first_side[e + 1] - first != 2 ||
+            triangles[edges->sides[first]] == triangles[edges->sides[first + 1]]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool build_vertex_faces(PercaleModelObstacle *obstacle, const uint32_t *triangles,
+                               PercaleMemory *memory)
+{
+    obstacle->vertex_first_face =
+        percale_memory_new(memory, (size_t)obstacle->vertex_count + 2, sizeof(uint32_t));
+    obstacle->vertex_faces =
+        percale_memory_new(memory, 3 * (size_t)obstacle->triangle_count, sizeof(uint32_t));
+    if (obstacle->vertex_first_face == NULL || obstacle->vertex_faces == NULL) {
+        return false;
+    }
+    uint32_t *cursor = obstacle->vertex_first_face + 1;
+    for (uint32_t side = 0; side < 3 * obstacle->triangle_count; side++) {
+        cursor[triangles[side] + 1]++;
+    }
+    for (uint32_t v = 0; v < obstacle->vertex_count; v++) {
+        cursor[v + 1] += cursor[v];
+    }
+    for (uint32_t side = 0; side < 3 * obstacle->triangle_count; side++) {
+        obstacle->vertex_faces[cursor[triangles[side]]++] = side / 3;
+    }
+    return true;
+}
+
+static bool build_obstacle(PercaleModelObstacle *obstacle, const PercaleObstacleObject *object,
+                           uint32_t first_point, PercaleMemory *memory)
+{
+    *obstacle = (PercaleModelObstacle){.first_point = first_point,
+                                       .vertex_count = object->vertex_count,
+                                       .triangle_count = object->triangle_count,
+                                       .thickness = object->thickness,
+                                       .friction = object->friction,
+                                       .mask = object->mask};
+    obstacle->triangles = percale_memory_new(memory, 3 * (size_t)object->triangle_count, sizeof(uint32_t));
+    if (obstacle->triangles == NULL ||
+        !percale_edges_build(object->triangles, object->triangle_count, memory, &obstacle->edges) ||
+        !build_vertex_faces(obstacle, object->triangles, memory)) {
+        return false;
+    }
+    for (size_t side = 0; side < 3 * (size_t)object->triangle_count; side++) {
+        obstacle->triangles[side] = first_point + object->triangles[side];
+    }
+    obstacle->closed = is_closed(&obstacle->edges, object->triangles);
+    return true;
+}
+
+static bool build_obstacles(PercaleModel *model, const PercaleObjects *objects, PercaleMemory *memory)
+{
+    model->obstacles = percale_memory_new(memory, objects->obstacle_count, sizeof(model->obstacles[0]));
+    if (model->obstacles == NULL) {
+        return false;
+    }
+    model->obstacle_count = (uint32_t)objects->obstacle_count;
+    uint32_t first_point = model->slot_count;
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        if (!build_obstacle(&model->obstacles[o], &objects->obstacles[o], first_point, memory)) {
+            return false;
+        }
+        first_point += objects->obstacles[o].vertex_count;
+    }
+    return true;
+}
+
+// ---- entry points ----
+
+PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleMemory *memory,
+                                     PercaleMessage *message)
+{
+    *model = (PercaleModel){0};
+    Weld weld = {0};
+    bool complete = weld_closed_seams(&weld, objects, memory) &&
+                    number_slots(model, objects, &weld, memory) && build_points(model, objects, memory) &&
+                    build_incidence(model, memory) && build_pins(model, objects, memory) &&
+                    build_open_seams(model, objects, memory) && build_obstacles(model, objects, memory) &&
+                    percale_model_build_constraints(model, objects, memory);
+    percale_memory_free(memory, weld.parent);
+    percale_memory_free(memory, weld.first_vertex);
+    if (!complete) {
+        percale_model_free(model, memory);
+        return percale_fail_memory(message);
+    }
+    return PERCALE_OK;
+}
+
+void percale_model_free(PercaleModel *model, PercaleMemory *memory)
+{
+    for (uint32_t c = 0; model->cloths != NULL && c < model->cloth_count; c++) {
+        percale_memory_free(memory, model->cloths[c].slots);
+    }
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        PercaleModelObstacle *obstacle = &model->obstacles[o];
+        percale_memory_free(memory, obstacle->triangles);
+        percale_edges_free(&obstacle->edges, memory);
+        percale_memory_free(memory, obstacle->vertex_first_face);
+        percale_memory_free(memory, obstacle->vertex_faces);
+    }
+    void *arrays[] = {model->cloths,
+                      model->obstacles,
+                      model->position,
+                      model->velocity,
+                      model->start,
+                      model->predicted,
+                      model->free_velocity,
+                      model->cloth_of,
+                      model->triangles,
+                      model->triangle_areas,
+                      model->slot_first_triangle,
+                      model->slot_triangles,
+                      model->edges,
+                      model->edge_lengths,
+                      model->edge_compliances,
+                      model->hinges,
+                      model->hinge_weights,
+                      model->hinge_stiffnesses,
+                      model->open_seams,
+                      model->pinned_slots,
+                      model->pinned_sources};
+    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++) {
+        percale_memory_free(memory, arrays[i]);
+    }
+    *model = (PercaleModel){0};
+}
+
+void percale_model_store(const PercaleModel *model, PercaleObjects *objects)
+{
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        for (uint32_t i = 0; i < model->cloths[c].vertex_count; i++) {
+            uint32_t slot = model->cloths[c].slots[i];
+            for (int axis = 0; axis < 3; axis++) {
+                objects->cloths[c].positions[3 * (size_t)i + (size_t)axis] = model->position[slot][axis];
+                objects->cloths[c].velocities[3 * (size_t)i + (size_t)axis] = model->velocity[slot][axis];
+            }
+        }
+    }
+}

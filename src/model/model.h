@@ -1,0 +1,95 @@
+// model.h: the scene as flat arrays, assembled from the objects that the caller added.
+//
+//   in   objects (the caller's order)
+//   out  one array of points (cloth first, then obstacles), edges, hinges, open seams, obstacle meshes
+//
+// It is assembled anew after an object was added or removed and when a seam has closed. Cloth vertices are
+// renumbered along a space-filling curve; sewn vertices share one slot.
+
+#ifndef PERCALE_MODEL_H
+#define PERCALE_MODEL_H
+
+#include "base/simd.h"
+#include "model/mesh.h"
+#include "model/object.h"
+
+static const float SEAM_CLOSED = 1e-3f; // m; a sewn pair nearer than this becomes one point
+
+typedef struct PercaleModelCloth {
+    uint32_t *slots; // [vertex_count] caller's vertex -> slot
+    uint32_t vertex_count;
+    float thickness, friction;
+    uint32_t mask;
+} PercaleModelCloth;
+
+typedef struct PercaleModelObstacle {
+    uint32_t first_point; // its vertices are points[first_point ..]
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t *triangles;         // [3 * triangle_count] points
+    PercaleEdges edges;          // over its own vertex numbers
+    uint32_t *vertex_first_face; // [vertex_count + 1] into vertex_faces
+    uint32_t *vertex_faces;      // [3 * triangle_count] triangles around a vertex, ascending
+    bool closed;                 // every edge has two triangles that run along it in opposite directions
+    float thickness, friction;
+    uint32_t mask;
+} PercaleModelObstacle;
+
+/// An unfinished seam pair.
+typedef struct PercaleOpenSeam {
+    uint32_t slots[2];
+    uint32_t seam_index, pair_index; // of the object that it came from
+} PercaleOpenSeam;
+
+typedef struct PercaleModel {
+    uint32_t slot_count;  // cloth points
+    uint32_t point_count; // and obstacle points after them
+    f32x4 *position;      // [point_count] m, inverse mass in 1/kg: the committed state
+    f32x4 *velocity;      // [slot_count] m/s: committed
+    f32x4 *start;         // [point_count] where the running substep started
+    f32x4 *predicted;     // [point_count] x*: where it goes
+    f32x4 *free_velocity; // [slot_count] m/s; what led to x*, before any constraint
+    uint32_t *cloth_of;   // [slot_count] index into cloths
+
+    uint32_t cloth_count, obstacle_count;
+    PercaleModelCloth *cloths;
+    PercaleModelObstacle *obstacles;
+
+    uint32_t triangle_count;
+    uint32_t (*triangles)[3];      // [triangle_count] cloth triangles, slots
+    float *triangle_areas;         // [triangle_count] m^2 at rest
+    uint32_t *slot_first_triangle; // [slot_count + 1] into slot_triangles
+    uint32_t *slot_triangles;      // [3 * triangle_count] triangles around a slot
+
+    uint32_t edge_count;
+    uint32_t (*edges)[2];    // [edge_count] slots
+    float *edge_lengths;     // [edge_count] m at rest
+    float *edge_compliances; // [edge_count] m/N; NULL when all are 0
+
+    uint32_t hinge_count;
+    uint32_t (*hinges)[4];    // [hinge_count] edge a, b, opposite c, d
+    f32x4 *hinge_weights;     // [hinge_count] the bending vector is sum weights[k] x[hinges[k]]
+    float *hinge_stiffnesses; // [hinge_count] N/m: flexural rigidity over the two areas
+
+    uint32_t open_seam_count;
+    PercaleOpenSeam *open_seams;
+
+    uint32_t pinned_count;
+    uint32_t *pinned_slots;        // [pinned_count]
+    uint32_t (*pinned_sources)[2]; // [pinned_count] pin object's index, vertex in it
+} PercaleModel;
+
+/// Builds the model; on failure it is left empty. Marks seam pairs that are closed as welded.
+PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleMemory *memory,
+                                     PercaleMessage *message);
+void percale_model_free(PercaleModel *model, PercaleMemory *memory);
+
+/// Copies positions and velocities back into the objects.
+void percale_model_store(const PercaleModel *model, PercaleObjects *objects);
+
+/// Edges, hinges and their rest values (called by assemble). welded_triangles: [3 * total] slots, in cloth
+/// order.
+bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects,
+                                     PercaleMemory *memory);
+
+#endif

@@ -1,0 +1,29 @@
+// predict.h: moves every cloth vertex to where it would go if nothing were in its way.
+//
+//   in   position, velocity; rest areas for the wind
+//   out  start (a copy of position), free velocity, predicted
+//
+//     v = clamp((v + dt (g + wind)) * exp(-damping dt)),   x* = x + dt v          (symplectic Euler)
+
+#ifndef PERCALE_PREDICT_H
+#define PERCALE_PREDICT_H
+
+#include "model/model.h"
+
+typedef struct PercalePredictStage {
+    PercaleModel *model;
+    f32x4 gravity;   // m/s^2
+    f32x4 wind;      // m/s, velocity of the air
+    float damping;   // share of the velocity that is left after a substep
+    float speed_max; // m/s
+    float dt;        // s
+    int thread_count;
+} PercalePredictStage;
+
+void percale_predict_cloth(const PercalePredictStage *stage);
+
+/// Puts pinned vertices on the line from where the step began to their targets. fraction: of the step, at the
+/// end of this substep; from, to: [pinned_count] points.
+void percale_predict_pins(PercaleModel *model, const f32x4 *from, const f32x4 *to, float fraction);
+
+#endif

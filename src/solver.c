@@ -1,0 +1,440 @@
+// solver.c: create, destroy, prepare and the questions that a host may ask.
+
+#include "solver.h"
+
+#include "predict/obstacle_motion.h"
+#include "state/digest.h"
+#include "state/validate.h"
+
+#include <string.h>
+
+// ---- names ----
+
+const char *percale_version(void)
+{
+    return "0.1.0";
+}
+
+const char *percale_result_string(PercaleResult result)
+{
+    switch (result) {
+    case PERCALE_OK:
+        return "ok";
+    case PERCALE_INVALID_ARGUMENT:
+        return "invalid argument";
+    case PERCALE_INVALID_HANDLE:
+        return "invalid handle";
+    case PERCALE_UNSUPPORTED:
+        return "not in this version";
+    case PERCALE_OUT_OF_MEMORY:
+        return "out of memory";
+    case PERCALE_NOT_FINITE:
+        return "not finite";
+    case PERCALE_DEVICE_ERROR:
+        return "device error";
+    }
+    return "unknown result";
+}
+
+const char *percale_stage_name(PercaleStage stage)
+{
+    static const char *const NAMES[PERCALE_STAGE_COUNT] = {"predict", "detect", "untangle",
+                                                           "color",   "solve",  "finish"};
+    return (unsigned)stage < PERCALE_STAGE_COUNT ? NAMES[stage] : "unknown";
+}
+
+// ---- create and destroy ----
+
+PercaleSolverDef percale_solver_def_default(void)
+{
+    return (PercaleSolverDef){
+        .size = sizeof(PercaleSolverDef),
+        .gravity = {0.0f, -9.81f, 0.0f},
+        .damping = 0.02f,
+        .speed_max = 100.0f,
+        .substeps = 20,
+        .iterations = 1,
+        .thread_count = 1,
+        .reuse = PERCALE_REUSE_AUTO,
+        .ccd = PERCALE_CCD_RAY,
+        .isa = PERCALE_ISA_AUTO,
+        .vertex_face = 1,
+        .bending = 1,
+    };
+}
+
+static PercaleIsa widest_isa(void)
+{
+#if defined(__AVX2__)
+    return PERCALE_ISA_AVX2;
+#else
+    return PERCALE_ISA_SSE2;
+#endif
+}
+
+static PercaleResult check_finite(PercaleMessage *message, const char *name, const double *values, int count)
+{
+    for (int i = 0; i < count; i++) {
+        if (!isfinite(values[i])) {
+            return percale_fail(message, PERCALE_INVALID_ARGUMENT, "%s is not a finite number", name);
+        }
+    }
+    return PERCALE_OK;
+}
+
+static PercaleResult check_numbers(const PercaleSolverDef *def, PercaleMessage *message)
+{
+    const struct {
+        const char *name;
+        double values[3];
+    } VECTORS[] = {
+        {"origin", {def->origin[0], def->origin[1], def->origin[2]}},
+        {"gravity", {(double)def->gravity[0], (double)def->gravity[1], (double)def->gravity[2]}},
+        {"wind", {(double)def->wind[0], (double)def->wind[1], (double)def->wind[2]}},
+    };
+    for (size_t i = 0; i < sizeof(VECTORS) / sizeof(VECTORS[0]); i++) {
+        if (check_finite(message, VECTORS[i].name, VECTORS[i].values, 3) != PERCALE_OK) {
+            return PERCALE_INVALID_ARGUMENT;
+        }
+    }
+    if (!(def->damping >= 0.0f) || !isfinite(def->damping)) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "damping %g is not >= 0",
+                            (double)def->damping);
+    }
+    if (!(def->speed_max > 0.0f) || !isfinite(def->speed_max)) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "speed_max %g is not > 0",
+                            (double)def->speed_max);
+    }
+    return PERCALE_OK;
+}
+
+static PercaleResult check_counts(const PercaleSolverDef *def, PercaleMessage *message)
+{
+    const int MOST = 1000; // substeps or iterations
+    if (def->substeps < 1 || def->substeps > MOST) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "substeps %d is not in 1..%d", def->substeps,
+                            MOST);
+    }
+    if (def->iterations < 1 || def->iterations > MOST) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "iterations %d is not in 1..%d",
+                            def->iterations, MOST);
+    }
+    if (def->passes < 0 || def->passes > def->substeps * def->iterations) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT,
+                            "passes %d is not in 1..%d (substeps x iterations = %d x %d)", def->passes,
+                            def->substeps * def->iterations, def->substeps, def->iterations);
+    }
+    if (def->thread_count < 1 || def->thread_count > PERCALE_MAX_THREADS) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "thread count %d is not in 1..%d",
+                            def->thread_count, PERCALE_MAX_THREADS);
+    }
+    return PERCALE_OK;
+}
+
+static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage *message)
+{
+    const struct {
+        bool asked;
+        const char *name;
+    } MISSING[] = {
+        {def->edge_edge != 0, "edge-edge contact"},   {def->self_collision != 0, "cloth-cloth contact"},
+        {def->untangle != 0, "untangling"},           {def->tethers != 0, "tethers"},
+        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"},
+    };
+    for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
+        if (MISSING[i].asked) {
+            return percale_fail(message, PERCALE_UNSUPPORTED, "%s is not in this version", MISSING[i].name);
+        }
+    }
+    if (def->isa != PERCALE_ISA_AUTO && def->isa != widest_isa()) {
+        return percale_fail(message, PERCALE_UNSUPPORTED, "this build has one instruction set, %s",
+                            widest_isa() == PERCALE_ISA_AVX2 ? "avx2" : "sse2");
+    }
+#if defined(__AVX2__)
+    if (!__builtin_cpu_supports("avx2")) {
+        return percale_fail(message, PERCALE_UNSUPPORTED,
+                            "this build needs a processor with AVX2; configure with PERCALE_AVX2=OFF");
+    }
+#endif
+    return PERCALE_OK;
+}
+
+static PercaleResult check_def(const PercaleSolverDef *def, PercaleMessage *message)
+{
+    if (def->size != sizeof(*def)) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT,
+                            "the solver Def did not come from percale_solver_def_default");
+    }
+    if ((def->allocate == NULL) != (def->release == NULL)) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT,
+                            "allocate and release come together or not at all");
+    }
+    PercaleResult result = check_numbers(def, message);
+    result = result == PERCALE_OK ? check_counts(def, message) : result;
+    return result == PERCALE_OK ? check_features(def, message) : result;
+}
+
+PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver)
+{
+    PercaleMessage message = {{0}};
+    *solver = NULL;
+    PercaleResult result = check_def(&def, &message);
+    PercaleAllocator allocator = def.allocate != NULL && result == PERCALE_OK
+                                     ? (PercaleAllocator){def.allocate, def.release, def.allocator_user}
+                                     : percale_allocator_default();
+    PercaleSolver *created = NULL;
+    if (result == PERCALE_OK) {
+        created = allocator.allocate(allocator.user, (sizeof(*created) + 63) / 64 * 64, 64);
+        result = created == NULL ? percale_fail_memory(&message) : PERCALE_OK;
+    }
+    if (result != PERCALE_OK) {
+        if (def.size == sizeof(def) && def.log != NULL) {
+            def.log(def.log_user, message.text);
+        }
+        return result;
+    }
+    memset(created, 0, sizeof(*created));
+    created->def = def;
+    created->def.passes = def.passes == 0 ? def.substeps : def.passes;
+    created->def.isa = widest_isa();
+    created->allocator = allocator;
+    PercaleMemory memory = {&created->allocator, 0};
+    created->object_memory = created->model_memory = created->detect_memory = memory;
+    created->color_memory = created->solve_memory = created->arena.memory = memory;
+    *solver = created;
+    return PERCALE_OK;
+}
+
+void percale_solver_destroy(PercaleSolver *solver)
+{
+    if (solver == NULL) {
+        return;
+    }
+    percale_solver_release_model(solver);
+    percale_objects_free(&solver->objects, &solver->object_memory);
+    percale_contacts_free(&solver->contact_scratch, &solver->detect_memory);
+    percale_memory_free(&solver->detect_memory, solver->stencils.items);
+    percale_coloring_free(&solver->static_coloring, &solver->color_memory);
+    percale_coloring_free(&solver->contact_coloring, &solver->color_memory);
+    percale_arena_free(&solver->arena);
+    PercaleAllocator allocator = solver->allocator;
+    allocator.release(allocator.user, solver);
+}
+
+// ---- prepare ----
+
+static void drop_model(PercaleSolver *solver)
+{
+    PercaleMemory *detect = &solver->detect_memory;
+    PercaleMemory *solve = &solver->solve_memory;
+    percale_rays_destroy(solver->rays, detect);
+    for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
+        percale_proximity_free(&solver->proximities[o], detect);
+    }
+    percale_memory_free(detect, solver->proximities);
+    percale_memory_free(detect, solver->frames);
+    percale_memory_free(detect, solver->crossings);
+    percale_memory_free(solve, solver->pin_from);
+    percale_memory_free(solve, solver->pin_to);
+    percale_memory_free(solve, solver->edge_multipliers);
+    percale_memory_free(solve, solver->hinge_multipliers);
+    percale_memory_free(solve, solver->seam_targets);
+    solver->rays = NULL;
+    solver->proximities = NULL;
+    solver->frames = NULL;
+    solver->crossings = NULL;
+    solver->pin_from = solver->pin_to = NULL;
+    solver->edge_multipliers = NULL;
+    solver->hinge_multipliers = NULL;
+    solver->seam_targets = NULL;
+    percale_model_free(&solver->model, &solver->model_memory);
+    solver->stencils.count = 0;
+    solver->pass_stencil_count = 0;
+    solver->assembled = false;
+}
+
+void percale_solver_release_model(PercaleSolver *solver)
+{
+    if (solver->assembled) {
+        percale_model_store(&solver->model, &solver->objects);
+    }
+    drop_model(solver);
+}
+
+/// Obstacle points of all three arrays at the start of the next step.
+static void place_obstacles(PercaleSolver *solver)
+{
+    PercaleModel *model = &solver->model;
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        (void)percale_motion_apply(model, o, &solver->objects.obstacles[o], 0.0, solver->def.thread_count);
+        for (uint32_t i = 0; i < model->obstacles[o].vertex_count; i++) {
+            uint32_t point = model->obstacles[o].first_point + i;
+            model->position[point] = model->start[point] = model->predicted[point];
+        }
+    }
+    memcpy(model->start, model->position, model->slot_count * sizeof(f32x4));
+    memcpy(model->predicted, model->position, model->slot_count * sizeof(f32x4));
+}
+
+static bool batch_constraints(PercaleSolver *solver)
+{
+    PercaleModel *model = &solver->model;
+    if (!solver->def.bending) {
+        model->hinge_count = 0;
+    }
+    return percale_batch_edges(model, &solver->static_coloring, &solver->color_memory, &solver->edges) &&
+           percale_batch_hinges(model, &solver->static_coloring, &solver->color_memory, &solver->hinges);
+}
+
+/// Multipliers need memory only where a later sweep reads them.
+static bool allocate_solve(PercaleSolver *solver)
+{
+    PercaleModel *model = &solver->model;
+    PercaleMemory *memory = &solver->solve_memory;
+    bool complete = true;
+    if (solver->def.iterations > 1 && model->edge_compliances != NULL) {
+        solver->edge_multipliers = percale_memory_new(memory, model->edge_count, sizeof(float));
+        complete = solver->edge_multipliers != NULL;
+    }
+    if (solver->def.iterations > 1 && model->hinge_count > 0) {
+        solver->hinge_multipliers = percale_memory_new(memory, model->hinge_count, sizeof(f32x4));
+        complete = complete && solver->hinge_multipliers != NULL;
+    }
+    solver->pin_from = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
+    solver->pin_to = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
+    solver->seam_targets = percale_memory_new(memory, model->open_seam_count, sizeof(float));
+    return complete && solver->pin_from != NULL && solver->pin_to != NULL && solver->seam_targets != NULL;
+}
+
+static PercaleResult create_rays(PercaleSolver *solver)
+{
+    const PercaleModel *model = &solver->model;
+    uint32_t *first_points =
+        percale_memory_new(&solver->detect_memory, model->obstacle_count, sizeof(uint32_t));
+    if (first_points == NULL) {
+        return percale_fail_memory(&solver->error);
+    }
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        first_points[o] = model->obstacles[o].first_point;
+    }
+    PercaleResult result = percale_rays_create(&solver->rays, &solver->objects, first_points,
+                                               model->predicted, &solver->detect_memory, &solver->error);
+    percale_memory_free(&solver->detect_memory, first_points);
+    return result;
+}
+
+static PercaleResult prepare_detection(PercaleSolver *solver)
+{
+    PercaleModel *model = &solver->model;
+    PercaleMemory *memory = &solver->detect_memory;
+    solver->proximities = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleProximity));
+    solver->frames = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleFrame));
+    solver->crossings = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleCrossing *));
+    bool complete = solver->proximities != NULL && solver->frames != NULL && solver->crossings != NULL;
+    for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
+        complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o], memory);
+        if (complete) {
+            percale_tree_refit(&solver->proximities[o].tree, model->obstacles[o].triangles, model->position,
+                               solver->def.thread_count);
+        }
+    }
+    if (!complete) {
+        return percale_fail_memory(&solver->error);
+    }
+    bool cast = solver->def.vertex_face && solver->def.ccd != PERCALE_CCD_OFF && model->obstacle_count > 0;
+    return cast ? create_rays(solver) : PERCALE_OK;
+}
+
+PercaleResult percale_solver_prepare(PercaleSolver *solver)
+{
+    if (solver->assembled) {
+        return PERCALE_OK;
+    }
+    PercaleResult result =
+        percale_model_assemble(&solver->model, &solver->objects, &solver->model_memory, &solver->error);
+    if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {
+        result = percale_fail_memory(&solver->error);
+    }
+    if (result == PERCALE_OK) {
+        place_obstacles(solver);
+        result = prepare_detection(solver);
+    }
+    if (result != PERCALE_OK) {
+        drop_model(solver); // the objects still hold the state
+        return result;
+    }
+    solver->assembled = true;
+    return PERCALE_OK;
+}
+
+// ---- errors ----
+
+PercaleResult percale_solver_logged(PercaleSolver *solver, PercaleResult result)
+{
+    if (result != PERCALE_OK && solver->def.log != NULL) {
+        solver->def.log(solver->def.log_user, solver->error.text);
+    }
+    return result;
+}
+
+size_t percale_solver_require_cloth(PercaleSolver *solver, PercaleCloth cloth)
+{
+    size_t index = percale_find_cloth(&solver->objects, cloth);
+    if (index == SIZE_MAX) {
+        (void)percale_fail(&solver->error, PERCALE_INVALID_HANDLE, "there is no cloth with handle %u",
+                           cloth.id);
+    }
+    return index;
+}
+
+// ---- questions ----
+
+PercaleResult percale_solver_set_thread_count(PercaleSolver *solver, int thread_count)
+{
+    if (thread_count < 1 || thread_count > PERCALE_MAX_THREADS) {
+        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "thread count %d is not in 1..%d",
+                            thread_count, PERCALE_MAX_THREADS);
+    }
+    solver->def.thread_count = thread_count;
+    return PERCALE_OK;
+}
+
+PercaleProfile percale_solver_profile(const PercaleSolver *solver)
+{
+    return solver->profile;
+}
+
+PercaleCounters percale_solver_counters(const PercaleSolver *solver)
+{
+    return solver->counters;
+}
+
+PercaleBytes percale_solver_bytes(const PercaleSolver *solver)
+{
+    return (PercaleBytes){solver->model_memory.bytes + solver->object_memory.bytes,
+                          solver->detect_memory.bytes, solver->color_memory.bytes, solver->solve_memory.bytes,
+                          solver->arena.memory.bytes};
+}
+
+PercaleIsa percale_solver_isa(const PercaleSolver *solver)
+{
+    return solver->def.isa;
+}
+
+const char *percale_solver_last_error(const PercaleSolver *solver)
+{
+    return solver->error.text;
+}
+
+uint64_t percale_solver_hash(PercaleSolver *solver)
+{
+    return percale_solver_prepare(solver) == PERCALE_OK ? percale_digest(&solver->model) : 0;
+}
+
+PercaleResult percale_solver_validate(PercaleSolver *solver)
+{
+    PercaleResult result = percale_solver_prepare(solver);
+    return result == PERCALE_OK ? percale_validate_model(&solver->model, &solver->edges, &solver->hinges,
+                                                         &solver->model_memory, &solver->error)
+                                : result;
+}

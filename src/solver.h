@@ -1,0 +1,64 @@
+// solver.h: the solver's insides, for solver*.c and step.c only. Stages never see it.
+
+#ifndef PERCALE_SOLVER_H
+#define PERCALE_SOLVER_H
+
+#include "base/arena.h"
+#include "color/batch.h"
+#include "detect/contacts.h"
+#include "detect/paths.h"
+#include "detect/rays.h"
+#include "model/model.h"
+#include "percale/percale.h"
+
+struct PercaleSolver {
+    PercaleSolverDef def; // passes resolved, isa resolved
+    PercaleAllocator allocator;
+    PercaleMemory object_memory, model_memory, detect_memory, color_memory, solve_memory;
+    PercaleArena arena; // per substep
+    PercaleMessage error;
+
+    PercaleObjects objects;
+    uint32_t last_id;
+
+    bool assembled; // the model below holds the state; else the objects do
+    PercaleModel model;
+    PercaleColoring static_coloring, contact_coloring;
+    PercaleBatches edges, hinges, contacts;
+
+    PercaleProximity *proximities; // [obstacle_count]
+    PercaleFrame *frames;          // [obstacle_count] of the running substep
+    PercaleCrossing **crossings;   // [obstacle_count] arrays in the arena; NULL without CCD
+    PercaleRays *rays;             // NULL without CCD or obstacles
+    PercaleContactScratch contact_scratch;
+    PercaleStencilList stencils;
+    size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
+                               // them
+
+    f32x4 *pin_from, *pin_to; // [pinned_count] of the running step
+    float *edge_multipliers;
+    f32x4 *hinge_multipliers;
+    float *seam_targets;
+
+    PercaleProfile profile;
+    PercaleCounters counters;
+};
+
+/// Brings the model up to date with the objects.
+PercaleResult percale_solver_prepare(PercaleSolver *solver);
+
+/// Moves the state back into the objects and drops the model; call before any change to the objects.
+void percale_solver_release_model(PercaleSolver *solver);
+
+/// Passes a result on; the text of a failure goes to the host's log.
+PercaleResult percale_solver_logged(PercaleSolver *solver, PercaleResult result);
+
+/// Index of the cloth in the objects, or SIZE_MAX with the error set.
+size_t percale_solver_require_cloth(PercaleSolver *solver, PercaleCloth cloth);
+
+/// Reads count points with a stride (0: 12 bytes) into packed floats; fails on a coordinate that is not
+/// finite or too large, naming its index in `what`.
+PercaleResult percale_solver_read_points(PercaleSolver *solver, const char *what, const float *source,
+                                         size_t stride, uint32_t count, float *points);
+
+#endif

@@ -1,0 +1,404 @@
+// step.c: THE PIPELINE. One step is `substeps` times: predict, detect, color, solve, finish.
+//
+// Every stage is arrays in, arrays out, in the folder of its name; only this file knows their order.
+
+#include "solver.h"
+
+#include "base/timer.h"
+#include "finish/advance.h"
+#include "finish/guard.h"
+#include "predict/obstacle_motion.h"
+#include "predict/predict.h"
+#include "solve/sweep.h"
+
+#include <string.h>
+
+static const float SEAM_SPEED = 0.5f; // m/s at which the gap of an open seam closes
+
+/// One substep of a step.
+typedef struct Substep {
+    PercaleSolver *solver;
+    int index;       // 0 .. substeps - 1
+    float dt;        // s
+    double fraction; // of the step, at this substep's end
+    double since;    // clock when the running stage began, s
+} Substep;
+
+static void end_stage(Substep *substep, PercaleStage stage)
+{
+    double now = percale_seconds();
+    substep->solver->profile.stage_seconds[stage] += now - substep->since;
+    substep->since = now;
+}
+
+// ---- predict ----
+
+static f32x4 vector_of(const float v[3])
+{
+    return (f32x4){v[0], v[1], v[2], 0.0f};
+}
+
+static PercaleResult name_bad_vertex(PercaleSolver *solver, uint32_t slot)
+{
+    for (uint32_t c = 0; c < solver->model.cloth_count; c++) {
+        for (uint32_t i = 0; i < solver->model.cloths[c].vertex_count; i++) {
+            if (solver->model.cloths[c].slots[i] == slot) {
+                return percale_fail(&solver->error, PERCALE_NOT_FINITE,
+                                    "cloth '%s': vertex %u would become NaN or infinite",
+                                    solver->objects.cloths[c].name, i);
+            }
+        }
+    }
+    return percale_fail(&solver->error, PERCALE_NOT_FINITE, "a vertex would become NaN or infinite");
+}
+
+static PercaleResult predict(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePredictStage stage = {
+        .model = &solver->model,
+        .gravity = vector_of(solver->def.gravity),
+        .wind = vector_of(solver->def.wind),
+        .damping = (float)exp(-(double)solver->def.damping * (double)substep->dt),
+        .speed_max = solver->def.speed_max,
+        .dt = substep->dt,
+        .thread_count = solver->def.thread_count,
+    };
+    percale_predict_cloth(&stage);
+    percale_predict_pins(&solver->model, solver->pin_from, solver->pin_to, (float)substep->fraction);
+    uint32_t bad = percale_advance_find_bad(&solver->model, solver->def.thread_count);
+    end_stage(substep, PERCALE_STAGE_PREDICT);
+    return bad == UINT32_MAX ? PERCALE_OK : name_bad_vertex(solver, bad);
+}
+
+// ---- detect ----
+
+static PercalePair pair_of(const PercaleSolver *solver, uint32_t obstacle)
+{
+    float between = (float)solver->def.substeps / (float)solver->def.passes;
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], between > 1.0f ? between : 1.0f};
+}
+
+/// Moves the obstacle to the end of the substep; its tree is still at the start.
+static void move_obstacle(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    const PercaleObstacleObject *object = &solver->objects.obstacles[o];
+    PercaleFrame *frame = &solver->frames[o];
+    double before = (double)substep->index / (double)solver->def.substeps;
+    frame->motion = object->moving ? object->motion : MOTION_STATIC;
+    frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
+    frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
+    solver->proximities[o].motion =
+        object->moving
+            ? percale_motion_apply(&solver->model, o, object, substep->fraction, solver->def.thread_count)
+            : 0.0f;
+}
+
+/// Finds the vertices that can touch the obstacle, at its start pose, then takes tree and rays to the end
+/// pose.
+static void find_active(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    PercaleProximity *proximity = &solver->proximities[o];
+    PercalePair pair = pair_of(solver, o);
+    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->start};
+    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, solver->def.thread_count);
+    solver->counters.detections += searches;
+    solver->counters.detections_skipped += model->slot_count - searches;
+    if (proximity->motion > 0.0f) {
+        percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted,
+                           solver->def.thread_count);
+        if (solver->rays != NULL && solver->objects.obstacles[o].motion == MOTION_DEFORMING) {
+            percale_rays_refit(solver->rays, o);
+        }
+    }
+}
+
+static bool cast_paths(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleProximity *proximity = &solver->proximities[o];
+    solver->crossings[o] = NULL;
+    if (solver->def.ccd == PERCALE_CCD_OFF) {
+        return true;
+    }
+    PercalePair pair = pair_of(solver, o);
+    PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted};
+    PercalePathStage stage = {
+        &pair, proximity, &at_end, &solver->frames[o], solver->rays, o, solver->def.thread_count};
+    solver->crossings[o] =
+        percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleCrossing));
+    return solver->crossings[o] != NULL &&
+           percale_paths_cast(&stage, &solver->arena, solver->crossings[o], &solver->counters.rays);
+}
+
+static PercaleResult detect_obstacles(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    bool complete = true;
+    for (uint32_t o = 0; complete && o < solver->model.obstacle_count; o++) {
+        move_obstacle(substep, o);
+        if (solver->def.vertex_face) {
+            find_active(substep, o);
+            complete = cast_paths(substep, o);
+        }
+    }
+    end_stage(substep, PERCALE_STAGE_DETECT);
+    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+}
+
+/// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
+/// added.
+static PercaleResult detect_contacts(Substep *substep, bool pass)
+{
+    PercaleSolver *solver = substep->solver;
+    bool complete = true;
+    solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
+    for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
+        PercalePair pair = pair_of(solver, o);
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
+        PercaleContactStage stage = {
+            &pair,       &solver->proximities[o], &at_end, solver->crossings[o], !pass,
+            substep->dt, solver->def.thread_count};
+        complete = percale_contacts_find(&stage, &solver->contact_scratch, &solver->detect_memory,
+                                         &solver->stencils, &solver->counters.candidates);
+    }
+    solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
+    if (pass) {
+        solver->pass_stencil_count = solver->stencils.count;
+    } else {
+        for (size_t i = 0; i < solver->pass_stencil_count; i++) { // a new substep: nothing has pushed yet
+            solver->stencils.items[i].multiplier = (f32x4){0};
+        }
+    }
+    end_stage(substep, PERCALE_STAGE_DETECT);
+    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+}
+
+// ---- color ----
+
+static PercaleResult color(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    const size_t vertex_stride = sizeof(PercaleStencil) / sizeof(uint32_t);
+    const size_t weight_stride = sizeof(PercaleStencil) / sizeof(float);
+    const PercaleStencil *stencils = solver->stencils.items;
+    uint32_t count = (uint32_t)solver->stencils.count;
+    bool complete = percale_coloring_run(&solver->contact_coloring, &solver->color_memory,
+                                         count > 0 ? stencils[0].points : NULL, vertex_stride,
+                                         count > 0 ? stencils[0].weights : NULL, weight_stride, 4, count,
+                                         solver->model.predicted, solver->model.point_count);
+    solver->contacts = percale_batches_of(&solver->contact_coloring);
+    if (solver->contacts.color_count > solver->counters.colors_max) {
+        solver->counters.colors_max = solver->contacts.color_count;
+    }
+    solver->counters.overflow += count - solver->contacts.first[solver->contacts.color_count];
+    end_stage(substep, PERCALE_STAGE_COLOR);
+    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+}
+
+// ---- solve ----
+
+/// Multipliers start at zero in every substep; open seams are asked to close a little further.
+static void begin_solve(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    const PercaleModel *model = &solver->model;
+    if (solver->edge_multipliers != NULL) {
+        memset(solver->edge_multipliers, 0, model->edge_count * sizeof(float));
+    }
+    if (solver->hinge_multipliers != NULL) {
+        memset(solver->hinge_multipliers, 0, model->hinge_count * sizeof(f32x4));
+    }
+    for (uint32_t s = 0; s < model->open_seam_count; s++) {
+        const uint32_t *slots = model->open_seams[s].slots;
+        float gap = length3(model->position[slots[0]] - model->position[slots[1]]) - SEAM_SPEED * substep->dt;
+        solver->seam_targets[s] = gap > 0.0f ? gap : 0.0f;
+    }
+    end_stage(substep, PERCALE_STAGE_SOLVE);
+}
+
+static void solve(Substep *substep, uint32_t sweep_count)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    PercaleSweepPlan plan = {
+        .arrays = {model, model->predicted, model->start, substep->dt, solver->edge_multipliers,
+                   solver->hinge_multipliers, solver->seam_targets, solver->stencils.items,
+                   solver->contact_coloring.order},
+        .edges = solver->edges,
+        .hinges = solver->hinges,
+        .contacts = solver->contacts,
+        .sweep_count = sweep_count,
+        .thread_count = solver->def.thread_count,
+    };
+    percale_sweep_run(&plan);
+    PercaleCounters *counters = &solver->counters;
+    uint64_t stretch = (uint64_t)sweep_count * model->edge_count;
+    uint64_t bend = (uint64_t)sweep_count * model->hinge_count;
+    uint64_t seam = (uint64_t)sweep_count * model->open_seam_count;
+    uint64_t contact = (uint64_t)sweep_count * solver->contacts.count;
+    counters->projections_stretch += stretch;
+    counters->projections_bend += bend;
+    counters->projections_seam += seam;
+    counters->projections_contact += contact;
+    counters->projections += stretch + bend + seam + contact;
+    end_stage(substep, PERCALE_STAGE_SOLVE);
+}
+
+// ---- finish ----
+
+static PercaleResult finish(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    uint32_t bad = percale_advance_find_bad(model, solver->def.thread_count);
+    if (bad != UINT32_MAX) {
+        return name_bad_vertex(solver, bad);
+    }
+    for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
+        PercalePair pair = pair_of(solver, o);
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
+        PercaleGuardStage stage = {&pair,
+                                   &solver->proximities[o],
+                                   &at_end,
+                                   &solver->frames[o],
+                                   model->predicted,
+                                   model->start,
+                                   substep->dt,
+                                   solver->def.ccd != PERCALE_CCD_OFF,
+                                   solver->def.thread_count};
+        PercaleGuardCounts counts = percale_guard_run(&stage);
+        solver->counters.left_inside += counts.left_inside;
+        solver->counters.truncated += counts.truncated;
+        solver->counters.detections += counts.searches;
+    }
+    percale_advance_commit(model, substep->dt, solver->def.thread_count);
+    end_stage(substep, PERCALE_STAGE_FINISH);
+    return PERCALE_OK;
+}
+
+// ---- the step ----
+
+/// Collision pass i comes before sweep floor(i * S / P) of the step's S sweeps.
+static bool is_pass_due(const PercaleSolverDef *def, uint64_t sweep)
+{
+    uint64_t sweeps = (uint64_t)def->substeps * (uint64_t)def->iterations;
+    uint64_t passes = (uint64_t)def->passes;
+    uint64_t i = (sweep * passes + sweeps - 1) / sweeps; // the first i with i * S / P >= sweep
+    return i < passes && i * sweeps / passes == sweep;
+}
+
+static PercaleResult run_substep(Substep *substep)
+{
+    const PercaleSolverDef *def = &substep->solver->def;
+    PercaleResult result = predict(substep);
+    if (result == PERCALE_OK) {
+        result = detect_obstacles(substep);
+        begin_solve(substep);
+    }
+    uint64_t sweep = (uint64_t)substep->index * (uint64_t)def->iterations;
+    uint64_t end = sweep + (uint64_t)def->iterations;
+    for (bool first = true; result == PERCALE_OK && sweep < end; first = false) {
+        bool pass = is_pass_due(def, sweep);
+        if (pass || first) {
+            result = detect_contacts(substep, pass);
+            result = result == PERCALE_OK ? color(substep) : result;
+        }
+        uint64_t next = sweep + 1;
+        while (next < end && !is_pass_due(def, next)) {
+            next++;
+        }
+        if (result == PERCALE_OK) {
+            solve(substep, (uint32_t)(next - sweep));
+        }
+        sweep = next;
+    }
+    return result == PERCALE_OK ? finish(substep) : result;
+}
+
+/// Pins go from where their vertices are to their targets; the objects' targets become the next step's start.
+static void begin_pins(PercaleSolver *solver)
+{
+    const PercaleModel *model = &solver->model;
+    for (uint32_t i = 0; i < model->pinned_count; i++) {
+        const PercalePinObject *pin = &solver->objects.pins[model->pinned_sources[i][0]];
+        solver->pin_from[i] = model->position[model->pinned_slots[i]];
+        solver->pin_to[i] = vector_of(pin->to + 3 * (size_t)model->pinned_sources[i][1]);
+    }
+}
+
+/// Obstacles stay where the last good substep has left them.
+static void end_obstacles(PercaleSolver *solver, int good_substeps)
+{
+    const PercaleModel *model = &solver->model;
+    double fraction = (double)good_substeps / (double)solver->def.substeps;
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        PercaleObstacleObject *object = &solver->objects.obstacles[o];
+        if (!object->moving) {
+            continue;
+        }
+        object->moving = false;
+        object->pose_from = percale_motion_between(&object->pose_from, &object->pose_to, fraction);
+        object->pose_to = object->pose_from;
+        const f32x4 *points = model->position + model->obstacles[o].first_point;
+        for (size_t i = 0; i < object->vertex_count; i++) {
+            for (size_t axis = 0; axis < 3; axis++) {
+                object->from[3 * i + axis] = object->to[3 * i + axis] = points[i][axis];
+            }
+        }
+    }
+}
+
+/// Pairs that have come within SEAM_CLOSED weld: the model is assembled anew before the next step.
+static void close_seams(PercaleSolver *solver)
+{
+    const PercaleModel *model = &solver->model;
+    bool closed = false;
+    for (uint32_t s = 0; s < model->open_seam_count; s++) {
+        const PercaleOpenSeam *seam = &model->open_seams[s];
+        f32x4 gap = model->position[seam->slots[0]] - model->position[seam->slots[1]];
+        if (length3(gap) <= SEAM_CLOSED) {
+            solver->objects.seams[seam->seam_index].welded[seam->pair_index] = true;
+            closed = true;
+        }
+    }
+    if (closed) {
+        percale_solver_release_model(solver);
+    }
+}
+
+PercaleResult percale_solver_step(PercaleSolver *solver, double seconds)
+{
+    const double SHORTEST = 1e-6; // s; below it positions of float32 no longer move
+    solver->error.text[0] = '\0';
+    if (!(seconds >= SHORTEST) || !(seconds <= 1.0)) {
+        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "step: %g s is not in 1e-6 .. 1",
+                            seconds);
+    }
+    PercaleResult result = percale_solver_prepare(solver);
+    if (result != PERCALE_OK) {
+        return result;
+    }
+    double began = percale_seconds();
+    memset(&solver->profile, 0, sizeof(solver->profile));
+    begin_pins(solver);
+    int good = 0;
+    while (result == PERCALE_OK && good < solver->def.substeps) {
+        Substep substep = {solver, good, (float)(seconds / solver->def.substeps),
+                           (double)(good + 1) / (double)solver->def.substeps, percale_seconds()};
+        percale_arena_reset(&solver->arena);
+        result = run_substep(&substep);
+        good += result == PERCALE_OK;
+    }
+    end_obstacles(solver, good);
+    if (result == PERCALE_OK) {
+        close_seams(solver);
+    } else {
+        percale_solver_release_model(solver); // trees and predictions are those of the failed substep
+    }
+    solver->profile.step_seconds = percale_seconds() - began;
+    return result;
+}
