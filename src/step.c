@@ -76,7 +76,8 @@ static PercaleResult predict(Substep *substep)
 static PercalePair pair_of(const PercaleSolver *solver, uint32_t obstacle)
 {
     float between = (float)solver->def.substeps / (float)solver->def.passes;
-    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], between > 1.0f ? between : 1.0f};
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
+                         between > 1.0f ? between - 1.0f : 0.0f};
 }
 
 /// Moves the obstacle to the end of the substep; its tree is still at the start.
@@ -87,12 +88,19 @@ static void move_obstacle(Substep *substep, uint32_t o)
     PercaleFrame *frame = &solver->frames[o];
     double before = (double)substep->index / (double)solver->def.substeps;
     frame->motion = object->moving ? object->motion : MOTION_STATIC;
+    frame->is_in_own_space = object->motion == MOTION_RIGID;
     frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
     frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
     solver->proximities[o].motion =
         object->moving
             ? percale_motion_apply(&solver->model, o, object, substep->fraction, solver->def.thread_count)
             : 0.0f;
+    if (solver->def.ccd == PERCALE_CCD_OFF) {
+        solver->proximities[o].doubt = INFINITY;
+    } else { // next to a deforming surface the start of a path is moved along with the nearest triangle only
+        solver->proximities[o].doubt =
+            frame->motion == MOTION_DEFORMING ? 2.0f * solver->proximities[o].motion : 0.0f;
+    }
 }
 
 /// Finds the vertices that can touch the obstacle, at its start pose, then takes tree and rays to the end
@@ -114,6 +122,17 @@ static void find_active(Substep *substep, uint32_t o)
             percale_rays_refit(solver->rays, o);
         }
     }
+}
+
+/// Nothing has been seen yet in this substep.
+static bool begin_sightings(PercaleSolver *solver, PercaleProximity *proximity)
+{
+    proximity->sightings =
+        percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleSighting));
+    for (uint32_t i = 0; proximity->sightings != NULL && i < proximity->active_count; i++) {
+        proximity->sightings[i].nearest = NO_TRIANGLE;
+    }
+    return proximity->sightings != NULL;
 }
 
 static bool cast_paths(Substep *substep, uint32_t o)
@@ -142,7 +161,7 @@ static PercaleResult detect_obstacles(Substep *substep)
         move_obstacle(substep, o);
         if (solver->def.vertex_face) {
             find_active(substep, o);
-            complete = cast_paths(substep, o);
+            complete = begin_sightings(solver, &solver->proximities[o]) && cast_paths(substep, o);
         }
     }
     end_stage(substep, PERCALE_STAGE_DETECT);
@@ -269,6 +288,8 @@ static PercaleResult finish(Substep *substep)
                                    model->start,
                                    substep->dt,
                                    solver->def.ccd != PERCALE_CCD_OFF,
+                                   solver->proximities,
+                                   o,
                                    solver->def.thread_count};
         PercaleGuardCounts counts = percale_guard_run(&stage);
         solver->counters.left_inside += counts.left_inside;

@@ -10,6 +10,18 @@
 
 #include <check.h>
 
+/// 1 where code runs some ten times slower: tests then take smaller scenes.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define PERCALE_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PERCALE_SANITIZED 1
+#endif
+#endif
+#ifndef PERCALE_SANITIZED
+#define PERCALE_SANITIZED 0
+#endif
+
 /// Fails the test, with the solver's own words, unless `call` returns PERCALE_OK. SOLVER may be NULL.
 #define PERCALE_TEST_OK(SOLVER, CALL) percale_test_expect((SOLVER), (CALL), #CALL, __FILE__, __LINE__)
 

@@ -44,6 +44,20 @@ static inline f32x8 min8(f32x8 a, f32x8 b)
     return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
 }
 
+/// One bit per lane of a comparison's result.
+static inline uint32_t lane_bits(i32x8 mask)
+{
+#if defined(__AVX__)
+    return (uint32_t)__builtin_ia32_movmskps256((f32x8)mask);
+#else
+    uint32_t bits = 0;
+    for (uint32_t k = 0; k < 8; k++) {
+        bits |= (uint32_t)(mask[k] != 0) << k;
+    }
+    return bits;
+#endif
+}
+
 /// Three doubles: what every sign-critical decision is computed in.
 typedef struct Vec3 {
     double x, y, z;

@@ -36,7 +36,7 @@ static Visitor visit(const PercaleContactStage *stage, uint32_t index)
     const PercaleModel *model = stage->pair->model;
     uint32_t slot = stage->proximity->active[index];
     float thickness = pair_thickness(stage->pair, slot);
-    float motion = length3(model->predicted[slot] - model->start[slot]) + stage->proximity->motion;
+    float motion = length3(model->predicted[slot] - model->position[slot]) + stage->proximity->motion;
     float distance = (float)stage->proximity->side[slot] * stage->proximity->clearance[slot];
     float risen = distance + EXIT_SPEED * stage->dt;
     Visitor visitor = {slot, vec3_of(model->predicted[slot]), risen < thickness ? risen : thickness,
@@ -154,6 +154,19 @@ static bool add_features_in_front(const PercaleContactStage *stage, const Visito
     return true;
 }
 
+/// Keeps what was seen from the predicted position; from just before a crossing it would say nothing of the
+/// end.
+static void remember(const PercaleContactStage *stage, uint32_t index, const PercaleNearest *nearest,
+                     int side)
+{
+    if (stage->crossings == NULL || stage->crossings[index].triangle == NO_TRIANGLE) {
+        uint32_t slot = stage->proximity->active[index];
+        float distance = (float)sqrt(nearest->closest.distance2);
+        stage->proximity->sightings[index] = (PercaleSighting){
+            stage->pair->model->predicted[slot], side > 0 ? distance : -distance, nearest->triangle};
+    }
+}
+
 static bool add_contacts(const PercaleContactStage *stage, uint32_t index, PercaleFeatureList *features,
                          PercaleMemory *memory, PercaleStencilList *output, uint64_t *candidates)
 {
@@ -171,10 +184,15 @@ static bool add_contacts(const PercaleContactStage *stage, uint32_t index, Perca
     if (nearest.triangle == NO_TRIANGLE) {
         return true;
     }
-    if (percale_surface_side(stage->surface, visitor.point, &nearest) > 0) {
+    int side = percale_surface_side(stage->surface, visitor.point, &nearest);
+    remember(stage, index, &nearest, side);
+    if (side > 0) {
         return add_features_in_front(stage, &visitor, features, &nearest, memory, output);
     }
-    if (!closed && percale_surface_on_rim(stage->surface, nearest.triangle, nearest.closest.region)) {
+    bool crossed = stage->crossings != NULL && stage->crossings[index].triangle != NO_TRIANGLE;
+    if (!closed && (percale_surface_on_rim(stage->surface, nearest.triangle, nearest.closest.region) ||
+                    (!crossed && !has_slipped_through(stage->pair, stage->proximity, visitor.slot,
+                                                      sqrt(nearest.closest.distance2))))) {
         return true; // it went around the rim
     }
     PercaleFeature feature = {nearest.triangle, nearest.closest};

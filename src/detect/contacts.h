@@ -18,6 +18,10 @@
 /// start inside the body or a pinch doesn't become a shot.
 static const float EXIT_SPEED = 0.5f;
 
+/// Share of the thickness at which a vertex is put back: outside beyond rounding, well inside the contact's
+/// reach.
+static const double GAP = 0.1;
+
 typedef struct PercaleStencilList {
     PercaleStencil *items;
     size_t count, capacity;
@@ -43,6 +47,14 @@ typedef struct PercaleContactScratch {
 bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count);
 void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory);
+
+/// Whether a vertex that was in front of an open surface and is now this deep behind it, though its path was
+/// not seen to pass through, has passed through it. Else it went around the rim.
+static inline bool has_slipped_through(const PercalePair *pair, const PercaleProximity *proximity,
+                                       uint32_t slot, double depth)
+{
+    return depth <= (double)proximity->doubt + GAP * (double)pair_thickness(pair, slot);
+}
 
 /// Direction from a surface's feature to the free side of it at `point`, unit.
 Vec3 percale_contact_normal(const PercaleSurface *surface, Vec3 point, uint32_t triangle,

@@ -6,6 +6,10 @@
 // cross product of float32 data has no digits left
 static const double PARALLEL = 1e-14;
 
+// sin^2 of a triangle's angle below which the regions' determinants, whose rounding grows with 1 / sin^2,
+// give way to the normal, whose rounding grows with 1 / sin
+static const double THIN = 1e-4;
+
 static PercaleClosest closest(double u, double v, double w, PercaleRegion region)
 {
     return (PercaleClosest){0.0, {u, v, w}, region};
@@ -44,6 +48,24 @@ static PercaleClosest closest_on_sides(Vec3 point, const Vec3 corners[3])
         if (side.distance2 < best.distance2) {
             best = side;
         }
+    }
+    return best;
+}
+
+/// A thin triangle: the nearest of its sides, or the foot of the perpendicular where that lies inside.
+static PercaleClosest closest_on_thin(Vec3 point, const Vec3 corners[3], Vec3 normal)
+{
+    PercaleClosest best = closest_on_sides(point, corners);
+    double scale = 1.0 / vdot(normal, normal);
+    Vec3 from_0 = vsub(point, corners[0]);
+    Vec3 from_1 = vsub(point, corners[1]);
+    double u = scale * vdot(normal, vcross(vsub(corners[2], corners[1]), from_1));
+    double v = scale * vdot(normal, vcross(vsub(corners[0], corners[2]), from_0));
+    double w = 1.0 - u - v;
+    if (u > 0.0 && v > 0.0 && w > 0.0) {
+        PercaleClosest inside = closest(u, v, w, REGION_FACE);
+        inside.distance2 = distance2_at(point, corners[0], corners[1], corners[2], inside.weights);
+        return inside.distance2 < best.distance2 ? inside : best;
     }
     return best;
 }
@@ -95,8 +117,11 @@ PercaleClosest percale_closest_on_triangle(Vec3 point, Vec3 a, Vec3 b, Vec3 c)
     Vec3 ab = vsub(b, a);
     Vec3 ac = vsub(c, a);
     Vec3 normal = vcross(ab, ac);
-    if (vdot(normal, normal) <= PARALLEL * vdot(ab, ab) * vdot(ac, ac)) {
-        return closest_on_sides(point, (const Vec3[3]){a, b, c});
+    double sides4 = vdot(ab, ab) * vdot(ac, ac);
+    if (vdot(normal, normal) <= THIN * sides4) {
+        const Vec3 corners[3] = {a, b, c};
+        return vdot(normal, normal) <= PARALLEL * sides4 ? closest_on_sides(point, corners)
+                                                         : closest_on_thin(point, corners, normal);
     }
     PercaleClosest result = closest_by_region(point, a, b, c);
     result.distance2 = distance2_at(point, a, b, c, result.weights);

@@ -64,9 +64,9 @@ static uint32_t collect(const PercalePathStage *stage, f32x4 *from, f32x4 *to, u
         if (!may_reach(stage, slot, start, end)) {
             continue;
         }
-        bool rigid = stage->frame->motion == MOTION_RIGID;
-        from[count] = f32x4_of(rigid ? percale_pose_invert(&stage->frame->end, start) : start, 0.0f);
-        to[count] = f32x4_of(rigid ? percale_pose_invert(&stage->frame->end, end) : end, 0.0f);
+        bool turned = stage->frame->is_in_own_space;
+        from[count] = f32x4_of(turned ? percale_pose_invert(&stage->frame->end, start) : start, 0.0f);
+        to[count] = f32x4_of(turned ? percale_pose_invert(&stage->frame->end, end) : end, 0.0f);
         index[count++] = i;
     }
     return count;

@@ -15,8 +15,9 @@
 
 /// How an obstacle moves within the substep.
 typedef struct PercaleFrame {
-    PercaleMotion motion;
+    PercaleMotion motion;   // in this substep
     PercalePose start, end; // rigid poses of the substep
+    bool is_in_own_space;   // its rays are cast in the space that it was added in: once rigid, also at rest
 } PercaleFrame;
 
 /// x -> R x + t and back, in double.

@@ -7,6 +7,8 @@
 static const float LOOKAHEAD_REACH = 1.5f;
 static const float LOOKAHEAD_SUBSTEPS = 8.0f;
 
+static const float FARTHEST = 1e8f; // m; more than any two points of a scene are apart
+
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
                               const PercaleModelObstacle *obstacle, PercaleMemory *memory)
 {
@@ -47,6 +49,23 @@ static bool can_collide(const PercalePair *pair, uint32_t slot)
            (model->cloths[model->cloth_of[slot]].mask & pair->obstacle->mask) != 0;
 }
 
+/// Whether the point is within the bounds of the whole surface: else it can't be inside a closed one.
+static bool is_in_bounds(const PercaleTree *tree, f32x4 point)
+{
+    const PercaleTreeNode *root = tree_node(tree, tree_root(tree));
+    bool within = true;
+    for (int axis = 0; axis < 3; axis++) {
+        float low = INFINITY;
+        float high = -INFINITY;
+        for (int k = 0; k < TREE_WIDTH; k++) {
+            low = root->low[axis][k] < low ? root->low[axis][k] : low;
+            high = root->high[axis][k] > high ? root->high[axis][k] : high;
+        }
+        within = within && point[axis] >= low && point[axis] <= high;
+    }
+    return within;
+}
+
 typedef enum Answer { IDLE, ACTIVE_KNOWN, ACTIVE_SEARCHED, IDLE_SEARCHED } Answer;
 
 /// Whether the slot can touch the obstacle in this substep; computes its distance when the bound doesn't
@@ -58,6 +77,10 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
         return IDLE;
     }
     const PercaleModel *model = pair->model;
+    bool closed = pair->obstacle->closed;
+    if (closed && proximity->side[slot] < 0) {
+        return ACTIVE_KNOWN; // however deep: it has to come out
+    }
     float motion = length3(model->predicted[slot] - model->start[slot]) + proximity->motion;
     float reach = pair_reach(pair, slot, motion);
     if (proximity->clearance[slot] - motion > reach) {
@@ -68,6 +91,10 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     }
     Vec3 point = vec3_of(model->start[slot]);
     float radius = LOOKAHEAD_REACH * reach + LOOKAHEAD_SUBSTEPS * motion;
+    if (closed && proximity->nearest[slot] == NO_TRIANGLE &&
+        is_in_bounds(&proximity->tree, model->start[slot])) {
+        radius = FARTHEST; // it may be deep inside
+    }
     PercaleNearest nearest =
         percale_surface_nearest(surface, point, (double)radius, proximity->nearest[slot]);
     if (nearest.triangle == NO_TRIANGLE) {
@@ -77,7 +104,8 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     proximity->nearest[slot] = nearest.triangle;
     proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
     proximity->side[slot] = (int8_t)percale_surface_side(surface, point, &nearest);
-    return proximity->clearance[slot] - motion > reach ? IDLE_SEARCHED : ACTIVE_SEARCHED;
+    bool near = proximity->clearance[slot] - motion <= reach || (closed && proximity->side[slot] < 0);
+    return near ? ACTIVE_SEARCHED : IDLE_SEARCHED;
 }
 
 uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,

@@ -1,7 +1,7 @@
 // proximity.h: which cloth vertices can touch an obstacle in this substep.
 //
 //   in   start and predicted positions, the obstacle at the substep's start pose
-//   out  the active vertices, each with its nearest triangle, exact distance and side at the start
+//   out  the active vertices, each with a nearby triangle, a bound of its distance and its side at the start
 //
 // Every vertex has a clearance, a lower bound of its distance to the obstacle. It shrinks by what the vertex
 // and the obstacle move; only when it is spent is the distance computed anew. A vertex with enough clearance
@@ -12,6 +12,14 @@
 
 #include "detect/surface.h"
 
+/// What the search for contacts saw of the obstacle from an active vertex's predicted position, at the end
+/// pose.
+typedef struct PercaleSighting {
+    f32x4 point;      // where the vertex was then
+    float distance;   // m, signed by the side
+    uint32_t nearest; // NO_TRIANGLE: not looked for, or nothing within the reach
+} PercaleSighting;
+
 typedef struct PercaleProximity {
     PercaleTree tree;
     float *clearance;  // [slot_count] m; distance or a lower bound of it
@@ -21,14 +29,18 @@ typedef struct PercaleProximity {
     uint8_t *is_active; // [slot_count] in this substep
     uint32_t *active;   // [active_count] the same as a list of slots, ascending
     uint32_t active_count;
-    float motion; // m; the farthest that one of the obstacle's vertices moves in this substep
+    PercaleSighting *sightings; // [active_count] of this substep, in the step's arena
+    float motion;               // m; the farthest that one of the obstacle's vertices moves in this substep
+    float
+        doubt; // m; what the path test may be wrong by: nothing seen on a path, a vertex that is this deep
+               // behind an open surface has passed through it all the same, a deeper one went around the rim
 } PercaleProximity;
 
 /// What the stages of detection share about one obstacle and the cloth.
 typedef struct PercalePair {
     const PercaleModel *model;
     const PercaleModelObstacle *obstacle;
-    float reach_substeps; // substeps until contacts are found anew; the reach covers the motion until then
+    float later_substeps; // after this one, until contacts are found anew
 } PercalePair;
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
@@ -47,11 +59,11 @@ static inline float pair_thickness(const PercalePair *pair, uint32_t slot)
     return 0.5f * (cloth->thickness + pair->obstacle->thickness);
 }
 
-/// Farthest distance at which a vertex gets a contact: its thickness, as much again, and the motion to come,
-/// m.
+/// Farthest distance at which a vertex gets a contact, m: its thickness, as much again for what the solver
+/// moves it, and the motion of the substeps after this one until contacts are found anew.
 static inline float pair_reach(const PercalePair *pair, uint32_t slot, float motion)
 {
-    return 2.0f * pair_thickness(pair, slot) + motion * pair->reach_substeps;
+    return 2.0f * pair_thickness(pair, slot) + motion * pair->later_substeps;
 }
 
 #endif

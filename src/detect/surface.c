@@ -36,9 +36,16 @@ static void keep_nearer(PercaleNearest *best, PercaleClosest closest, uint32_t t
     }
 }
 
-static float box_limit(double distance2)
+/// How far the point is from its place in float32, which the boxes are compared with, m.
+static double rounding_of(Vec3 point, f32x4 at)
 {
-    return (float)distance2 * (1.0f + BOX_SLACK);
+    return vlength(vsub(point, vec3_of(at)));
+}
+
+static float box_limit(double distance2, double rounding)
+{
+    double distance = rounding > 0.0 ? sqrt(distance2) + rounding : 0.0;
+    return (float)(rounding > 0.0 ? distance * distance : distance2) * (1.0f + BOX_SLACK);
 }
 
 /// Pushes the children within the limit, the farthest first, so that the nearest is popped next.
@@ -47,14 +54,13 @@ static uint32_t push_near_children(PercaleTreeEntry *stack, uint32_t size, Perca
 {
     uint32_t chosen[TREE_WIDTH];
     uint32_t count = 0;
-    for (uint32_t k = 0; k < TREE_WIDTH; k++) {
-        if (distance2[k] <= limit) {
-            uint32_t at = count++;
-            for (; at > 0 && distance2[chosen[at - 1]] < distance2[k]; at--) {
-                chosen[at] = chosen[at - 1];
-            }
-            chosen[at] = k;
+    for (uint32_t bits = lane_bits(distance2 <= limit); bits != 0; bits &= bits - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(bits);
+        uint32_t at = count++;
+        for (; at > 0 && distance2[chosen[at - 1]] < distance2[k]; at--) {
+            chosen[at] = chosen[at - 1];
         }
+        chosen[at] = k;
     }
     for (uint32_t i = 0; i < count; i++) {
         stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + chosen[i]};
@@ -67,6 +73,7 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
 {
     const PercaleTree *tree = surface->tree;
     f32x4 at = f32x4_of(point, 0.0f);
+    double rounding = rounding_of(point, at);
     PercaleNearest best = {NO_TRIANGLE, {radius * radius, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
     if (seed != NO_TRIANGLE) {
         keep_nearer(&best, closest_on(surface, point, seed), seed);
@@ -78,11 +85,15 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
         PercaleTreeEntry entry = stack[--size];
         f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
         if (entry.level > 0) {
-            size = push_near_children(stack, size, entry, distance2, box_limit(best.closest.distance2));
+            size = push_near_children(stack, size, entry, distance2,
+                                      box_limit(best.closest.distance2, rounding));
             continue;
         }
-        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
-            if (distance2[k] <= box_limit(best.closest.distance2)) {
+        for (uint32_t bits = lane_bits(distance2 <= box_limit(best.closest.distance2, rounding)); bits != 0;
+             bits &= bits - 1) {
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
+            if (distance2[k] <=
+                box_limit(best.closest.distance2, rounding)) { // the limit may have shrunk since
                 uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
                 keep_nearer(&best, closest_on(surface, point, triangle), triangle);
             }
@@ -109,7 +120,7 @@ bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double ra
     const PercaleTree *tree = surface->tree;
     f32x4 at = f32x4_of(point, 0.0f);
     double radius2 = radius * radius;
-    float limit = box_limit(radius2);
+    float limit = box_limit(radius2, rounding_of(point, at));
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
     stack[size++] = tree_root(tree);
@@ -117,10 +128,8 @@ bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double ra
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
         f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
-        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
-            if (!(distance2[k] <= limit)) {
-                continue;
-            }
+        for (uint32_t bits = lane_bits(distance2 <= limit); bits != 0; bits &= bits - 1) {
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (entry.level > 0) {
                 stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
                 continue;
@@ -259,15 +268,50 @@ bool percale_surface_on_rim(const PercaleSurface *surface, uint32_t triangle, Pe
 
 // ---- crossing ----
 
-/// Six times the signed volume of a, a + along, p, q; exactly negated when p and q are swapped, so that two
-/// triangles agree about their common edge.
-static double edge_volume(Vec3 a, Vec3 along, Vec3 p, Vec3 q)
+/// A path seen along itself (Woop et al. 2013): the axes permuted so that it runs mainly along the last, then
+/// sheared until it does so entirely. Each point of the mesh has one place in this view, and two rounded
+/// products keep their order, so the sign of a side is never wrong and triangles around a vertex leave no
+/// gap.
+typedef struct PathView {
+    Vec3 origin;
+    int across[2], forward; // axes
+    double shear[2];
+} PathView;
+
+static double component(Vec3 v, int axis)
 {
-    return vdot(along, vcross(vsub(p, a), vsub(q, a)));
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-static void keep_earlier(const PercaleSurface *surface, Vec3 a, Vec3 b, uint32_t triangle,
-                         PercaleCrossing *best)
+static PathView view_along(Vec3 a, Vec3 b)
+{
+    Vec3 along = vsub(b, a);
+    PathView view = {a, {0, 1}, 2, {0.0, 0.0}};
+    for (int axis = 0; axis < 2; axis++) {
+        if (fabs(component(along, axis)) > fabs(component(along, view.forward))) {
+            view.forward = axis;
+        }
+    }
+    double depth = component(along, view.forward);
+    int turned = depth < 0.0; // seen from the other end, left and right change places
+    view.across[turned] = (view.forward + 1) % 3;
+    view.across[1 - turned] = (view.forward + 2) % 3;
+    for (int k = 0; k < 2 && depth != 0.0; k++) {
+        view.shear[k] = component(along, view.across[k]) / depth;
+    }
+    return view;
+}
+
+static void look_at(const PathView *view, Vec3 point, double place[2])
+{
+    Vec3 offset = vsub(point, view->origin);
+    for (int k = 0; k < 2; k++) {
+        place[k] = component(offset, view->across[k]) - view->shear[k] * component(offset, view->forward);
+    }
+}
+
+static void keep_earlier(const PercaleSurface *surface, Vec3 a, Vec3 b, const PathView *view,
+                         uint32_t triangle, PercaleCrossing *best)
 {
     Vec3 c[3];
     corners_of(surface, triangle, c);
@@ -277,10 +321,15 @@ static void keep_earlier(const PercaleSurface *surface, Vec3 a, Vec3 b, uint32_t
     if (!(before >= 0.0 && after < 0.0)) {
         return;
     }
-    Vec3 along = vsub(b, a);
+    double place[3][2];
+    for (int k = 0; k < 3; k++) {
+        look_at(view, c[k], place[k]);
+    }
     double w[3]; // all <= 0 for a path against the normal through the inside
     for (int k = 0; k < 3; k++) {
-        w[k] = edge_volume(a, along, c[(k + 1) % 3], c[(k + 2) % 3]);
+        const double *p = place[(k + 1) % 3];
+        const double *q = place[(k + 2) % 3];
+        w[k] = p[0] * q[1] - p[1] * q[0];
         if (w[k] > 0.0) {
             return;
         }
@@ -317,21 +366,20 @@ PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Ve
         low[axis] = l - slack;
         high[axis] = h + slack;
     }
+    PathView view = view_along(a, b);
     PercaleCrossing best = {NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
     stack[size++] = tree_root(tree);
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
-        i32x8 hit = overlaps(tree_node(tree, entry), low, high);
-        for (uint32_t k = 0; k < TREE_WIDTH; k++) {
-            if (hit[k] == 0) {
-                continue;
-            }
+        for (uint32_t bits = lane_bits(overlaps(tree_node(tree, entry), low, high)); bits != 0;
+             bits &= bits - 1) {
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (entry.level > 0) {
                 stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
             } else {
-                keep_earlier(surface, a, b, tree->order[TREE_WIDTH * entry.node + k], &best);
+                keep_earlier(surface, a, b, &view, tree->order[TREE_WIDTH * entry.node + k], &best);
             }
         }
     }

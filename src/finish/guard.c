@@ -4,10 +4,6 @@
 
 enum { ATTEMPTS = 3 }; // a second or third one is needed where the surface is folded
 
-// Share of the thickness at which a vertex is put back: outside beyond rounding, well inside the contact's
-// reach.
-static const double GAP = 0.1;
-
 /// State of one vertex at the end of the substep.
 typedef struct Judgement {
     PercaleNearest nearest;
@@ -56,6 +52,10 @@ static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 positio
     }
     stage->predicted[slot] = after;
     stage->start[slot] = start;
+    for (uint32_t o = 0; o < stage->judged_count; o++) {
+        stage->judged[o].clearance[slot] -= length3(after - before);
+        stage->judged[o].side[slot] = 0;
+    }
 }
 
 /// A path through the surface ends at its point of impact, which the obstacle has carried to the end pose.
@@ -73,7 +73,8 @@ static bool stop_at_crossing(const PercaleGuardStage *stage, uint32_t slot, doub
     return true;
 }
 
-/// Out through the nearest feature. From inside at the start it goes no faster than EXIT_SPEED.
+/// Out through the nearest feature. From inside at the start it goes no faster than EXIT_SPEED, of which the
+/// contact has used up its part.
 static void lift_out(const PercaleGuardStage *stage, uint32_t slot, double gap, bool was_in_front,
                      const PercaleNearest *nearest)
 {
@@ -81,7 +82,8 @@ static void lift_out(const PercaleGuardStage *stage, uint32_t slot, double gap, 
     Vec3 outward = outward_at(stage, point, nearest);
     Vec3 position = vadd(nearest->foot, vscale(gap, outward));
     double rise = vlength(vsub(position, point));
-    double most = (double)(EXIT_SPEED * stage->dt);
+    double risen = (double)stage->proximity->clearance[slot] - sqrt(nearest->closest.distance2);
+    double most = fmax((double)(EXIT_SPEED * stage->dt) - risen, 0.0);
     if (!was_in_front && rise > most) {
         position = vadd(point, vscale(most / rise, vsub(position, point)));
     }
@@ -104,6 +106,27 @@ static float motion_of(const PercaleGuardStage *stage, uint32_t slot)
     return length3(stage->predicted[slot] - stage->pair->model->position[slot]) + stage->proximity->motion;
 }
 
+/// A vertex that was outside and has not moved as far as the surface is outside still: the usual case, which
+/// costs no search. The bound comes from what the search for contacts saw, or from the substep's start.
+static bool pass_by_bound(const PercaleGuardStage *stage, uint32_t slot, const PercaleSighting *sighting)
+{
+    PercaleProximity *proximity = stage->proximity;
+    float clearance = proximity->clearance[slot] - motion_of(stage, slot);
+    bool seen = sighting->nearest != NO_TRIANGLE;
+    if (seen) {
+        float since = sighting->distance - length3(stage->predicted[slot] - sighting->point);
+        clearance = since > clearance ? since : clearance;
+    }
+    if (proximity->side[slot] <= 0 || !(clearance > 0.0f)) {
+        return false;
+    }
+    proximity->clearance[slot] = clearance;
+    proximity->nearest[slot] = seen ? sighting->nearest : proximity->nearest[slot];
+    proximity->side[slot] = seen; // what was not seen is searched for anew, and farther, when it comes near
+    return true;
+}
+
+/// Judges the vertex by exact search and puts it back where it must not be.
 static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t slot)
 {
     PercaleProximity *proximity = stage->proximity;
@@ -114,12 +137,18 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
     double radius =
         ((double)proximity->clearance[slot] + motion) * (1.0 + 1e-6) + gap; // the surface is within it
     PercaleGuardCounts counts = {0, 0, 1};
+    // an idle vertex is farther away than the obstacle moves: the obstacle passes first, without taking it
+    // along
+    uint32_t along_with = start_side == 0 ? NO_TRIANGLE : proximity->nearest[slot];
     bool crossed = stage->test_paths && motion >= (double)proximity->clearance[slot] && start_side >= 0 &&
-                   stop_at_crossing(stage, slot, gap, proximity->nearest[slot]);
+                   stop_at_crossing(stage, slot, gap, along_with);
     bool in_front =
         crossed || start_side > 0 || (start_side == 0 && closed); // of an idle vertex the side is not known
     Judgement judgement = judge(stage, vec3_of(stage->predicted[slot]), radius, proximity->nearest[slot]);
-    for (int i = 0; i < ATTEMPTS && is_below(stage, &judgement) && (closed || in_front); i++) {
+    bool is_held = closed || crossed ||
+                   (in_front && has_slipped_through(stage->pair, proximity, slot,
+                                                    sqrt(judgement.nearest.closest.distance2)));
+    for (int i = 0; i < ATTEMPTS && is_below(stage, &judgement) && is_held; i++) {
         lift_out(stage, slot, gap, in_front, &judgement.nearest);
         judgement = judge(stage, vec3_of(stage->predicted[slot]), 2.0 * radius, judgement.nearest.triangle);
         crossed = true;
@@ -128,7 +157,7 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
         }
     }
     counts.truncated = crossed;
-    counts.left_inside = is_below(stage, &judgement) && (closed || in_front);
+    counts.left_inside = is_below(stage, &judgement) && is_held;
     remember(stage, slot, &judgement, radius);
     return counts;
 }
@@ -153,30 +182,54 @@ static bool is_spent(const PercaleGuardStage *stage, uint32_t slot)
            stage->proximity->clearance[slot] <= motion_of(stage, slot);
 }
 
+static void add_counts(PercaleGuardCounts *sum, PercaleGuardCounts counts)
+{
+    sum->left_inside += counts.left_inside;
+    sum->truncated += counts.truncated;
+    sum->searches += counts.searches;
+}
+
+static PercaleGuardCounts guard_idle(const PercaleGuardStage *stage, uint32_t slot)
+{
+    if (is_spent(stage, slot)) {
+        return guard_vertex(stage, slot);
+    }
+    spend_clearance(stage, slot);
+    return (PercaleGuardCounts){0, 0, 0};
+}
+
+static PercaleGuardCounts guard_active(const PercaleGuardStage *stage, uint32_t index)
+{
+    uint32_t slot = stage->proximity->active[index];
+    if (pass_by_bound(stage, slot, &stage->proximity->sightings[index])) {
+        return (PercaleGuardCounts){0, 0, 0};
+    }
+    return guard_vertex(stage, slot);
+}
+
 PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage)
 {
     const PercaleProximity *proximity = stage->proximity;
     uint32_t slot_count = stage->pair->model->slot_count;
-    uint64_t left_inside = 0;
-    uint64_t truncated = 0;
-    uint64_t searches = 0;
-#pragma omp parallel default(none) shared(stage, proximity, slot_count)                                                \
-    num_threads(threads_for(slot_count, stage->thread_count)) reduction(+ : left_inside, truncated, searches)
+    PercaleGuardCounts sum = {0, 0, 0};
+#pragma omp parallel default(none) shared(stage, proximity, slot_count, sum) \
+    num_threads(threads_for(slot_count, stage->thread_count))
     {
         uint32_t mode = float_mode_enter();
-#pragma omp for schedule(dynamic, 512)
+        PercaleGuardCounts mine = {0, 0, 0};
+#pragma omp for schedule(dynamic, 512) nowait
         for (uint32_t slot = 0; slot < slot_count; slot++) {
-            bool known = proximity->is_active[slot] != 0;
-            if (!known && !is_spent(stage, slot)) {
-                spend_clearance(stage, slot);
-                continue;
+            if (proximity->is_active[slot] == 0) {
+                add_counts(&mine, guard_idle(stage, slot));
             }
-            PercaleGuardCounts counts = guard_vertex(stage, slot);
-            left_inside += counts.left_inside;
-            truncated += counts.truncated;
-            searches += counts.searches;
         }
+#pragma omp for schedule(dynamic, 128) nowait
+        for (uint32_t i = 0; i < proximity->active_count; i++) {
+            add_counts(&mine, guard_active(stage, i));
+        }
+#pragma omp critical(percale_guard_sum)
+        add_counts(&sum, mine);
         float_mode_leave(mode);
     }
-    return (PercaleGuardCounts){left_inside, truncated, searches};
+    return sum;
 }

@@ -23,6 +23,9 @@ typedef struct PercaleGuardStage {
     f32x4 *start;     // [slot_count]
     float dt;         // s
     bool test_paths;  // ccd is on
+    PercaleProximity *
+        judged; // [judged_count] of the obstacles that have been before: what this one moves, they don't know
+    uint32_t judged_count;
     int thread_count;
 } PercaleGuardStage;
 
