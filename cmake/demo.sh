@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 sh cmake/build.sh
 echo "demo.sh: 120 frames of the dress on 2 threads"
 mkdir -p out
-build/release/percale run dress --size 20000 --frames 120 --threads 2 \
+build/release/percale run dress --size 20000 --frames 120 --threads 2 --preset accurate \
     --out out/dress --json out/dress.json --picture out/dress.png
 
 echo

@@ -2,6 +2,7 @@
 
 #include "solver.h"
 
+#include "base/parallel.h"
 #include "predict/obstacle_motion.h"
 #include "state/digest.h"
 #include "state/validate.h"
@@ -146,6 +147,10 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
             return percale_fail(message, PERCALE_UNSUPPORTED, "%s is not in this version", MISSING[i].name);
         }
     }
+    if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_ALWAYS) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",
+                            (int)def->ccd, (int)def->reuse);
+    }
     if (def->isa != PERCALE_ISA_AUTO && def->isa != widest_isa()) {
         return percale_fail(message, PERCALE_UNSUPPORTED, "this build has one instruction set, %s",
                             widest_isa() == PERCALE_ISA_AVX2 ? "avx2" : "sse2");
@@ -174,18 +179,31 @@ static PercaleResult check_def(const PercaleSolverDef *def, PercaleMessage *mess
     return result == PERCALE_OK ? check_features(def, message) : result;
 }
 
+/// A zeroed solver with the host's allocator in place; NULL without memory.
+static PercaleSolver *allocate_solver(const PercaleSolverDef *def)
+{
+    PercaleAllocator allocator = def->allocate != NULL
+                                     ? (PercaleAllocator){def->allocate, def->release, def->allocator_user}
+                                     : percale_allocator_default();
+    PercaleSolver *solver = allocator.allocate(allocator.user, (sizeof(*solver) + 63) / 64 * 64, 64);
+    if (solver == NULL) {
+        return NULL;
+    }
+    memset(solver, 0, sizeof(*solver));
+    solver->allocator = allocator;
+    PercaleMemory memory = {&solver->allocator, 0};
+    solver->object_memory = solver->model_memory = solver->detect_memory = memory;
+    solver->color_memory = solver->solve_memory = solver->arena.memory = memory;
+    return solver;
+}
+
 PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver)
 {
     PercaleMessage message = {{0}};
-    *solver = NULL;
     PercaleResult result = check_def(&def, &message);
-    PercaleAllocator allocator = def.allocate != NULL && result == PERCALE_OK
-                                     ? (PercaleAllocator){def.allocate, def.release, def.allocator_user}
-                                     : percale_allocator_default();
-    PercaleSolver *created = NULL;
-    if (result == PERCALE_OK) {
-        created = allocator.allocate(allocator.user, (sizeof(*created) + 63) / 64 * 64, 64);
-        result = created == NULL ? percale_fail_memory(&message) : PERCALE_OK;
+    *solver = result == PERCALE_OK ? allocate_solver(&def) : NULL;
+    if (result == PERCALE_OK && *solver == NULL) {
+        result = percale_fail_memory(&message);
     }
     if (result != PERCALE_OK) {
         if (def.size == sizeof(def) && def.log != NULL) {
@@ -193,15 +211,9 @@ PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver
         }
         return result;
     }
-    memset(created, 0, sizeof(*created));
-    created->def = def;
-    created->def.passes = def.passes == 0 ? def.substeps : def.passes;
-    created->def.isa = widest_isa();
-    created->allocator = allocator;
-    PercaleMemory memory = {&created->allocator, 0};
-    created->object_memory = created->model_memory = created->detect_memory = memory;
-    created->color_memory = created->solve_memory = created->arena.memory = memory;
-    *solver = created;
+    (*solver)->def = def;
+    (*solver)->def.passes = def.passes == 0 ? def.substeps : def.passes;
+    (*solver)->def.isa = widest_isa();
     return PERCALE_OK;
 }
 
@@ -345,11 +357,8 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     return cast ? create_rays(solver) : PERCALE_OK;
 }
 
-PercaleResult percale_solver_prepare(PercaleSolver *solver)
+static PercaleResult assemble(PercaleSolver *solver)
 {
-    if (solver->assembled) {
-        return PERCALE_OK;
-    }
     PercaleResult result =
         percale_model_assemble(&solver->model, &solver->objects, &solver->model_memory, &solver->error);
     if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {
@@ -365,6 +374,17 @@ PercaleResult percale_solver_prepare(PercaleSolver *solver)
     }
     solver->assembled = true;
     return PERCALE_OK;
+}
+
+PercaleResult percale_solver_prepare(PercaleSolver *solver)
+{
+    if (solver->assembled) {
+        return PERCALE_OK;
+    }
+    uint32_t mode = float_mode_enter(); // the same bits, whoever asks first
+    PercaleResult result = assemble(solver);
+    float_mode_leave(mode);
+    return result;
 }
 
 // ---- errors ----
@@ -392,8 +412,9 @@ size_t percale_solver_require_cloth(PercaleSolver *solver, PercaleCloth cloth)
 PercaleResult percale_solver_set_thread_count(PercaleSolver *solver, int thread_count)
 {
     if (thread_count < 1 || thread_count > PERCALE_MAX_THREADS) {
-        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "thread count %d is not in 1..%d",
-                            thread_count, PERCALE_MAX_THREADS);
+        return percale_solver_logged(solver, percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
+                                                          "thread count %d is not in 1..%d", thread_count,
+                                                          PERCALE_MAX_THREADS));
     }
     solver->def.thread_count = thread_count;
     return PERCALE_OK;
@@ -428,13 +449,16 @@ const char *percale_solver_last_error(const PercaleSolver *solver)
 
 uint64_t percale_solver_hash(PercaleSolver *solver)
 {
-    return percale_solver_prepare(solver) == PERCALE_OK ? percale_digest(&solver->model) : 0;
+    PercaleResult result = percale_solver_prepare(solver);
+    return percale_solver_logged(solver, result) == PERCALE_OK ? percale_digest(&solver->model) : 0;
 }
 
 PercaleResult percale_solver_validate(PercaleSolver *solver)
 {
     PercaleResult result = percale_solver_prepare(solver);
-    return result == PERCALE_OK ? percale_validate_model(&solver->model, &solver->edges, &solver->hinges,
-                                                         &solver->model_memory, &solver->error)
-                                : result;
+    if (result == PERCALE_OK) {
+        result = percale_validate_model(&solver->model, &solver->edges, &solver->hinges,
+                                        &solver->model_memory, &solver->error);
+    }
+    return percale_solver_logged(solver, result);
 }

@@ -2,6 +2,8 @@
 
 #include "solver.h"
 
+#include "audit/audit.h"
+
 #include <string.h>
 
 /// Copies vertex indices that must exist in the cloth.
@@ -67,7 +69,7 @@ static PercaleResult fill_pin(PercaleSolver *solver, const PercalePinDef *def,
 static PercaleResult add_pin(PercaleSolver *solver, const PercalePinDef *def, PercalePin *pin)
 {
     *pin = (PercalePin){0};
-    if (def->size != sizeof(*def) || def->vertices == NULL || def->vertex_count == 0) {
+    if (def == NULL || def->size != sizeof(*def) || def->vertices == NULL || def->vertex_count == 0) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "the pin Def has no vertices or did not come from percale_pin_def_default");
     }
@@ -181,7 +183,7 @@ static PercaleResult fill_seam(PercaleSolver *solver, const PercaleSeamDef *def,
 static PercaleResult add_seam(PercaleSolver *solver, const PercaleSeamDef *def, PercaleSeam *seam)
 {
     *seam = (PercaleSeam){0};
-    if (def->size != sizeof(*def) || def->vertices_a == NULL || def->vertices_b == NULL ||
+    if (def == NULL || def->size != sizeof(*def) || def->vertices_a == NULL || def->vertices_b == NULL ||
         def->pair_count == 0) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "the seam Def has no pairs or did not come from percale_seam_def_default");
@@ -282,7 +284,11 @@ PercaleResult percale_solver_quality(PercaleSolver *solver, PercaleQuality *qual
                                  : audit_obstacle(solver, i - cloth_count, &meshes[i]);
     }
     if (result == PERCALE_OK) {
-        result = percale_audit(meshes, cloth_count, meshes + cloth_count, obstacle_count, quality);
+        PercaleAuditMemory memory = {solver->allocator.allocate, solver->allocator.release,
+                                     solver->allocator.user};
+        result =
+            percale_audit_with(memory, meshes, cloth_count, meshes + cloth_count, obstacle_count, quality);
+        result = result == PERCALE_OUT_OF_MEMORY ? percale_fail_memory(&solver->error) : result;
     }
     return percale_solver_logged(solver, result);
 }

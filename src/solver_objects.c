@@ -3,6 +3,7 @@
 
 #include "solver.h"
 
+#include "base/parallel.h"
 #include "model/order.h"
 
 #include <stdio.h>
@@ -22,9 +23,24 @@ static void read_point(const void *source, size_t stride, size_t index, float po
            3 * sizeof(float));
 }
 
+static PercaleResult check_array(PercaleSolver *solver, const char *what, const float *array, size_t stride)
+{
+    if (array == NULL) {
+        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s: there is no array", what);
+    }
+    if (stride != 0 && stride < 3 * sizeof(float)) {
+        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
+                            "%s: a stride of %zu bytes is less than a point's 12", what, stride);
+    }
+    return PERCALE_OK;
+}
+
 PercaleResult percale_solver_read_points(PercaleSolver *solver, const char *what, const float *source,
                                          size_t stride, uint32_t count, float *points)
 {
+    if (check_array(solver, what, source, stride) != PERCALE_OK) {
+        return PERCALE_INVALID_ARGUMENT;
+    }
     for (uint32_t i = 0; i < count; i++) {
         float *point = points + 3 * (size_t)i;
         read_point(source, stride, i, point);
@@ -241,7 +257,7 @@ static PercaleResult check_cloth_def(PercaleSolver *solver, const PercaleClothDe
 static PercaleResult add_cloth(PercaleSolver *solver, const PercaleClothDef *def, PercaleCloth *cloth)
 {
     *cloth = (PercaleCloth){0};
-    if (def->size != sizeof(*def)) {
+    if (def == NULL || def->size != sizeof(*def)) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "the cloth Def did not come from percale_cloth_def_default");
     }
@@ -274,7 +290,10 @@ static PercaleResult add_cloth(PercaleSolver *solver, const PercaleClothDef *def
 
 PercaleResult percale_cloth_add(PercaleSolver *solver, const PercaleClothDef *def, PercaleCloth *cloth)
 {
-    return percale_solver_logged(solver, add_cloth(solver, def, cloth));
+    uint32_t mode = float_mode_enter(); // the same rest shape, however the host rounds
+    PercaleResult result = add_cloth(solver, def, cloth);
+    float_mode_leave(mode);
+    return percale_solver_logged(solver, result);
 }
 
 PercaleResult percale_cloth_remove(PercaleSolver *solver, PercaleCloth cloth)
@@ -310,6 +329,9 @@ static PercaleResult copy_out(PercaleSolver *solver, PercaleCloth cloth, bool ve
         return percale_solver_logged(solver, PERCALE_INVALID_HANDLE);
     }
     const PercaleClothObject *object = &solver->objects.cloths[index];
+    if (check_array(solver, object->name, target, stride) != PERCALE_OK) {
+        return percale_solver_logged(solver, PERCALE_INVALID_ARGUMENT);
+    }
     const float *stored = velocities ? object->velocities : object->positions;
     const f32x4 *live = velocities ? solver->model.velocity : solver->model.position;
     for (size_t i = 0; i < object->vertex_count; i++) {
@@ -486,7 +508,7 @@ static PercaleResult add_obstacle(PercaleSolver *solver, const PercaleObstacleDe
                                   PercaleObstacle *obstacle)
 {
     *obstacle = (PercaleObstacle){0};
-    if (def->size != sizeof(*def)) {
+    if (def == NULL || def->size != sizeof(*def)) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "the obstacle Def did not come from percale_obstacle_def_default");
     }
@@ -607,14 +629,14 @@ static PercaleResult turn_obstacle(PercaleSolver *solver, size_t index, const do
                             "%s was moved by percale_obstacle_move: it can't be moved rigidly", object->name);
     }
     double norm2 = 0.0;
-    double farthest = 0.0;
-    for (int k = 0; k < 4; k++) {
+    bool near = rotation != NULL && translation != NULL;
+    for (int k = 0; near && k < 4; k++) {
         norm2 += rotation[k] * rotation[k];
     }
     for (int axis = 0; axis < 3; axis++) {
-        farthest = fabs(translation[axis]) > farthest ? fabs(translation[axis]) : farthest;
+        near = near && fabs(translation[axis]) <= (double)FARTHEST; // no for NaN
     }
-    if (!(norm2 > 1e-12) || !(norm2 < 1e12) || !(farthest <= (double)FARTHEST)) {
+    if (!near || !(norm2 > 1e-12) || !(norm2 < 1e12)) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s: the transform is not usable",
                             object->name);
     }

@@ -4,6 +4,7 @@
 
 #include "solver.h"
 
+#include "base/parallel.h"
 #include "base/timer.h"
 #include "finish/advance.h"
 #include "finish/guard.h"
@@ -351,14 +352,15 @@ static void begin_pins(PercaleSolver *solver)
     }
 }
 
-/// Obstacles stay where the last good substep has left them.
+/// Obstacles stay where the last good substep has left them; without one nothing has happened, and they still
+/// have to go where they were sent.
 static void end_obstacles(PercaleSolver *solver, int good_substeps)
 {
     const PercaleModel *model = &solver->model;
     double fraction = (double)good_substeps / (double)solver->def.substeps;
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
         PercaleObstacleObject *object = &solver->objects.obstacles[o];
-        if (!object->moving) {
+        if (!object->moving || good_substeps == 0) {
             continue;
         }
         object->moving = false;
@@ -391,7 +393,7 @@ static void close_seams(PercaleSolver *solver)
     }
 }
 
-PercaleResult percale_solver_step(PercaleSolver *solver, double seconds)
+static PercaleResult run_step(PercaleSolver *solver, double seconds)
 {
     const double SHORTEST = 1e-6; // s; below it positions of float32 no longer move
     solver->error.text[0] = '\0';
@@ -422,4 +424,12 @@ PercaleResult percale_solver_step(PercaleSolver *solver, double seconds)
     }
     solver->profile.step_seconds = percale_seconds() - began;
     return result;
+}
+
+PercaleResult percale_solver_step(PercaleSolver *solver, double seconds)
+{
+    uint32_t mode = float_mode_enter(); // the host may round otherwise
+    PercaleResult result = run_step(solver, seconds);
+    float_mode_leave(mode);
+    return percale_solver_logged(solver, result);
 }

@@ -62,7 +62,6 @@ static PercaleSolver *create(int substeps)
 {
     PercaleSolverDef def = percale_solver_def_default();
     def.substeps = substeps;
-    def.thread_count = 2;
     return percale_test_solver(def);
 }
 
@@ -167,7 +166,6 @@ static void leave(float depth, int substeps, bool by_gravity, double *speed, int
     PercaleMesh patch = make_patch(0.5f, depth);
     PercaleSolverDef def = percale_solver_def_default();
     def.substeps = substeps;
-    def.thread_count = 2;
     if (!by_gravity) {
         memset(def.gravity, 0, sizeof(def.gravity));
     }

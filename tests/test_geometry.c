@@ -389,7 +389,7 @@ START_TEST(no_sample_is_nearer)
         Kind kind = (Kind)(trial % KIND_COUNT);
         make_vertex_face(kind, &seed, 1.0, x[0]);
         make_edge_edge(kind, &seed, 1.0, x[1]);
-        double best[2] = {INFINITY, INFINITY};
+        double best[2] = {HUGE_VAL, HUGE_VAL};
         for (int i = 0; i <= GRID; i++) {
             for (int j = 0; j <= GRID; j++) {
                 double s = (double)i / GRID;

@@ -15,7 +15,8 @@ enum { GRAIN = 2048 }; // items below which a second thread costs more than it b
 static inline int threads_for(size_t count, int most)
 {
     size_t wanted = count / GRAIN + 1;
-    return wanted < (size_t)most ? (int)wanted : most;
+    int granted = wanted < (size_t)most ? (int)wanted : most;
+    return granted > 1 ? granted : 1;
 }
 
 /// Flushes denormals to zero in this thread (they cost up to 2x) and returns the mode to restore. Every

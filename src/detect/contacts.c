@@ -2,7 +2,6 @@
 
 #include "base/parallel.h"
 
-#include <omp.h>
 #include <string.h>
 
 // Below this share of the thickness a closest-point vector has no direction left, and the (pseudo)normal
@@ -103,7 +102,7 @@ static void sort_by_feature(const PercaleSurface *surface, PercaleFeatureList *l
 static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor *visitor,
                                  const PercaleFeatureList *list)
 {
-    PercaleNearest best = {NO_TRIANGLE, {INFINITY, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
+    PercaleNearest best = {NO_TRIANGLE, {HUGE_VAL, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < list->count; i++) {
         const PercaleFeature *item = &list->items[i];
         if (item->closest.distance2 < best.closest.distance2 ||
@@ -227,40 +226,60 @@ static bool merge(PercaleContactScratch *scratch, int thread_count, PercaleMemor
     return true;
 }
 
+/// The share of one list: vertices are divided by the number of lists, not by the team, which the host may
+/// make smaller.
+typedef struct Share {
+    PercaleFeatureList *features;
+    PercaleStencilList *stencils;
+    PercaleMemory memory;
+    uint64_t first, end; // indices of active vertices
+    uint64_t candidates;
+    bool complete;
+} Share;
+
+static void find_share(const PercaleContactStage *stage, Share *share)
+{
+    share->stencils->count = 0;
+    for (uint64_t i = share->first; share->complete && i < share->end; i++) {
+        if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
+            share->complete = add_contacts(stage, (uint32_t)i, share->features, &share->memory,
+                                           share->stencils, &share->candidates);
+        }
+    }
+}
+
 bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
     uint64_t active_count = stage->proximity->active_count;
-    int thread_count =
-        threads_for(active_count * 16, stage->thread_count); // a vertex is some 16 small items of work
-    PercaleMemory thread_memory[PERCALE_MAX_THREADS];
-    bool complete = true;
-    uint64_t candidates = 0;
-    for (int t = 0; t < thread_count; t++) {
-        thread_memory[t] = (PercaleMemory){memory->allocator, 0};
+    uint64_t work = active_count * 16; // a vertex is some 16 small items
+    int share_count = threads_for(work, stage->thread_count);
+    Share shares[PERCALE_MAX_THREADS];
+    for (int t = 0; t < share_count; t++) {
+        shares[t] = (Share){&scratch->features[t],
+                            &scratch->stencils[t],
+                            {memory->allocator, 0},
+                            active_count * (uint64_t)t / (uint64_t)share_count,
+                            active_count * ((uint64_t)t + 1) / (uint64_t)share_count,
+                            0,
+                            true};
     }
-#pragma omp parallel default(none) shared(stage, scratch, thread_memory, active_count, thread_count)                   \
-    reduction(&& : complete) reduction(+ : candidates) num_threads(thread_count)
+#pragma omp parallel default(none) shared(stage, shares, share_count) num_threads(share_count)
     {
         uint32_t mode = float_mode_enter();
-        int team = omp_get_num_threads();
-        for (int t = omp_get_thread_num(); t < thread_count; t += team) { // the host may grant fewer threads
-            uint64_t end = active_count * ((uint64_t)t + 1) / (uint64_t)thread_count;
-            scratch->stencils[t].count = 0;
-            for (uint64_t i = active_count * (uint64_t)t / (uint64_t)thread_count; complete && i < end; i++) {
-                if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
-                    complete = add_contacts(stage, (uint32_t)i, &scratch->features[t], &thread_memory[t],
-                                            &scratch->stencils[t], &candidates);
-                }
-            }
+#pragma omp for schedule(static, 1)
+        for (int t = 0; t < share_count; t++) {
+            find_share(stage, &shares[t]);
         }
         float_mode_leave(mode);
     }
-    for (int t = 0; t < thread_count; t++) {
-        memory->bytes += thread_memory[t].bytes;
+    bool complete = true;
+    for (int t = 0; t < share_count; t++) {
+        memory->bytes += shares[t].memory.bytes;
+        *candidate_count += shares[t].candidates;
+        complete = complete && shares[t].complete;
     }
-    *candidate_count += candidates;
-    return complete && merge(scratch, thread_count, memory, list);
+    return complete && merge(scratch, share_count, memory, list);
 }
 
 void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory)

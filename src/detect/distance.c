@@ -34,7 +34,7 @@ static double nearest_parameter(Vec3 point, Vec3 a, Vec3 b)
 /// A triangle without area counts as its three sides.
 static PercaleClosest closest_on_sides(Vec3 point, const Vec3 corners[3])
 {
-    PercaleClosest best = {INFINITY, {1.0, 0.0, 0.0}, REGION_CORNER_0};
+    PercaleClosest best = {HUGE_VAL, {1.0, 0.0, 0.0}, REGION_CORNER_0};
     for (int k = 0; k < 3; k++) {
         int next = k == 2 ? 0 : k + 1;
         double t = nearest_parameter(point, corners[k], corners[next]);
@@ -173,7 +173,7 @@ double percale_edge_edge_closest(const double x[4][3], double weight[4])
     double aa = vdot(a, a);
     double bb = vdot(b, b);
     double ab = vdot(a, b);
-    double best2 = INFINITY;
+    double best2 = HUGE_VAL;
     // the four ends against the other edge, then the inner pair: every closest pair is one of these
     keep_nearer(p, 0.0, nearest_parameter(p[0], p[2], p[3]), &best2, weight);
     keep_nearer(p, 1.0, nearest_parameter(p[1], p[2], p[3]), &best2, weight);

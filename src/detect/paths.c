@@ -96,12 +96,17 @@ bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, Perc
     uint32_t count = collect(stage, from, to, index);
     percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->thread_count);
     *ray_count += count;
-#pragma omp parallel for default(none) shared(stage, crossings, index, flags, count) \
-    num_threads(threads_for(count, stage->thread_count)) schedule(dynamic, 512)
-    for (uint32_t i = 0; i < count; i++) {
-        if (flags[i] != 0) {
-            crossings[index[i]] = find_crossing(stage, stage->proximity->active[index[i]]);
+#pragma omp parallel default(none) shared(stage, crossings, index, flags, count) \
+    num_threads(threads_for(count, stage->thread_count))
+    {
+        uint32_t mode = float_mode_enter();
+#pragma omp for schedule(dynamic, 512)
+        for (uint32_t i = 0; i < count; i++) {
+            if (flags[i] != 0) {
+                crossings[index[i]] = find_crossing(stage, stage->proximity->active[index[i]]);
+            }
         }
+        float_mode_leave(mode);
     }
     return true;
 }

@@ -15,7 +15,7 @@
 #include "detect/tree.h"
 #include "model/model.h"
 
-enum { NO_TRIANGLE = UINT32_MAX };
+static const uint32_t NO_TRIANGLE = UINT32_MAX;
 
 /// One obstacle at one pose.
 typedef struct PercaleSurface {

@@ -122,7 +122,8 @@ static bool pass_by_bound(const PercaleGuardStage *stage, uint32_t slot, const P
     }
     proximity->clearance[slot] = clearance;
     proximity->nearest[slot] = seen ? sighting->nearest : proximity->nearest[slot];
-    proximity->side[slot] = seen; // what was not seen is searched for anew, and farther, when it comes near
+    proximity->side[slot] =
+        seen ? 1 : 0; // what was not seen is searched for anew, and farther, when it comes near
     return true;
 }
 
@@ -132,18 +133,18 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
     PercaleProximity *proximity = stage->proximity;
     const double gap = GAP * (double)pair_thickness(stage->pair, slot);
     const bool closed = stage->pair->obstacle->closed;
-    const int start_side = proximity->side[slot];
+    const bool was_below = proximity->side[slot] < 0;
+    const bool was_above = proximity->side[slot] > 0;
     double motion = (double)motion_of(stage, slot);
     double radius =
         ((double)proximity->clearance[slot] + motion) * (1.0 + 1e-6) + gap; // the surface is within it
     PercaleGuardCounts counts = {0, 0, 1};
     // an idle vertex is farther away than the obstacle moves: the obstacle passes first, without taking it
     // along
-    uint32_t along_with = start_side == 0 ? NO_TRIANGLE : proximity->nearest[slot];
-    bool crossed = stage->test_paths && motion >= (double)proximity->clearance[slot] && start_side >= 0 &&
+    uint32_t along_with = was_below || was_above ? proximity->nearest[slot] : NO_TRIANGLE;
+    bool crossed = stage->test_paths && motion >= (double)proximity->clearance[slot] && !was_below &&
                    stop_at_crossing(stage, slot, gap, along_with);
-    bool in_front =
-        crossed || start_side > 0 || (start_side == 0 && closed); // of an idle vertex the side is not known
+    bool in_front = crossed || was_above || (!was_below && closed); // of an idle vertex the side is not known
     Judgement judgement = judge(stage, vec3_of(stage->predicted[slot]), radius, proximity->nearest[slot]);
     bool is_held = closed || crossed ||
                    (in_front && has_slipped_through(stage->pair, proximity, slot,

@@ -95,7 +95,11 @@ static void add_hinge(PercaleModel *model, const RestTriangle *rest, const uint3
         area_sum += area;
     }
     double stiffness = 0.5 * ((double)rest[sides[0] / 3].stiffness + (double)rest[sides[1] / 3].stiffness);
-    if (stiffness <= 0.0 || hinge[2] == hinge[3]) {
+    bool folded = hinge[2] == hinge[3]; // or a triangle that a seam between its own corners has made a line
+    for (int k = 2; k < 4; k++) {
+        folded = folded || hinge[k] == hinge[0] || hinge[k] == hinge[1];
+    }
+    if (stiffness <= 0.0 || folded) {
         return;
     }
     uint32_t h = model->hinge_count++;

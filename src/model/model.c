@@ -124,30 +124,40 @@ static double twice_area(const float lengths[3])
     return s > 0.0 ? 0.5 * sqrt(s) : 0.0;
 }
 
-/// Vertex masses are summed in double; a slot takes the mass-weighted mean state of its vertices.
-static void gather_state(PercaleModel *model, const PercaleObjects *objects, double (*sums)[7])
+/// Adds a third of a triangle to its corner's slot: mass, mass x position, mass x velocity.
+static void add_share(double sums[7], double mass, const float *position, const float *velocity)
+{
+    sums[0] += mass;
+    for (int axis = 0; axis < 3; axis++) {
+        sums[1 + axis] += mass * (double)position[axis];
+        sums[4 + axis] += mass * (double)velocity[axis];
+    }
+}
+
+/// Triangles of the welded cloth and their areas; sums, in double, what each slot gets from them.
+static void gather_triangles(PercaleModel *model, const PercaleObjects *objects, double (*sums)[7])
 {
     for (uint32_t c = 0, triangle = 0; c < model->cloth_count; c++) {
         const PercaleClothObject *object = &objects->cloths[c];
         for (uint32_t t = 0; t < object->triangle_count; t++, triangle++) {
             double area = 0.5 * twice_area(object->rest_lengths + 3 * (size_t)t);
-            double mass = area * (double)object->material.density / 3.0;
             model->triangle_areas[triangle] = (float)area;
             for (uint32_t k = 0; k < 3; k++) {
                 uint32_t vertex = object->triangles[3 * (size_t)t + k];
-                uint32_t slot = model->cloths[c].slots[vertex];
-                model->triangles[triangle][k] = slot;
-                sums[slot][0] += mass;
-                for (uint32_t axis = 0; axis < 3; axis++) {
-                    sums[slot][1 + axis] += mass * (double)object->positions[3 * (size_t)vertex + axis];
-                    sums[slot][4 + axis] += mass * (double)object->velocities[3 * (size_t)vertex + axis];
-                }
+                model->triangles[triangle][k] = model->cloths[c].slots[vertex];
+                add_share(sums[model->triangles[triangle][k]], area * (double)object->material.density / 3.0,
+                          object->positions + 3 * (size_t)vertex, object->velocities + 3 * (size_t)vertex);
             }
         }
     }
+}
+
+/// A vertex starts where it is.
+static void copy_state(PercaleModel *model, const PercaleObjects *objects)
+{
     for (uint32_t c = 0; c < model->cloth_count; c++) {
         const PercaleClothObject *object = &objects->cloths[c];
-        for (uint32_t i = 0; i < object->vertex_count; i++) { // alone or not, a vertex starts where it is
+        for (uint32_t i = 0; i < object->vertex_count; i++) {
             const float *x = object->positions + 3 * (size_t)i;
             const float *v = object->velocities + 3 * (size_t)i;
             uint32_t slot = model->cloths[c].slots[i];
@@ -199,7 +209,8 @@ static bool build_points(PercaleModel *model, const PercaleObjects *objects, Per
                 vertices_per_slot[model->cloths[c].slots[i]]++;
             }
         }
-        gather_state(model, objects, sums);
+        gather_triangles(model, objects, sums);
+        copy_state(model, objects);
         set_slot_states(model, (const double(*)[7])sums, vertices_per_slot);
     }
     percale_memory_free(memory, sums);

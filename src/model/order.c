@@ -22,10 +22,10 @@ bool percale_order_along_curve(const float *positions, uint32_t count, PercaleMe
     if (items == NULL) {
         return false;
     }
-    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     double extent = 0.0; // one cell size for all axes: a flat sheet stays a 2D curve
     for (int axis = 0; axis < 3; axis++) {
-        double high = -INFINITY;
+        double high = -HUGE_VAL;
         for (uint32_t i = 0; i < count; i++) {
             double p = (double)positions[3 * (size_t)i + (size_t)axis];
             low[axis] = p < low[axis] ? p : low[axis];

@@ -95,16 +95,21 @@ float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const Percale
     Vec3 rows[3];
     matrix_of(pose.rotation, rows);
     float farthest2 = 0.0f;
-#pragma omp parallel for default(none) shared(start, predicted, count, rigid, pose, rows, object, fraction) \
-    reduction(max                                                                                           \
-              : farthest2) num_threads(threads_for(count, thread_count)) schedule(static)
-    for (uint32_t i = 0; i < count; i++) {
-        size_t at = 3 * (size_t)i;
-        predicted[i] = rigid ? rigid_point(rows, pose.translation, object->base + at)
-                             : deformed_point(object->from + at, object->to + at, (float)fraction);
-        f32x4 moved = predicted[i] - start[i];
-        float distance2 = dot3(moved, moved);
-        farthest2 = distance2 > farthest2 ? distance2 : farthest2;
+#pragma omp parallel default(none) shared(start, predicted, count, rigid, pose, rows, object, fraction) \
+    reduction(max                                                                                       \
+              : farthest2) num_threads(threads_for(count, thread_count))
+    {
+        uint32_t mode = float_mode_enter();
+#pragma omp for schedule(static)
+        for (uint32_t i = 0; i < count; i++) {
+            size_t at = 3 * (size_t)i;
+            predicted[i] = rigid ? rigid_point(rows, pose.translation, object->base + at)
+                                 : deformed_point(object->from + at, object->to + at, (float)fraction);
+            f32x4 moved = predicted[i] - start[i];
+            float distance2 = dot3(moved, moved);
+            farthest2 = distance2 > farthest2 ? distance2 : farthest2;
+        }
+        float_mode_leave(mode);
     }
     return sqrtf(farthest2);
 }

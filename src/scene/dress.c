@@ -13,9 +13,9 @@ static const uint64_t LARGEST = 4000000;
 static const double THINNEST = 0.0005; // m
 static const double THICKEST = 0.01;   // m; the sleeves are not wider
 static const double TIGHT = 1.10;      // thicknesses to the skin where it fits tightly
-static const double FACETS = 0.00022;  // m by which the body's triangles may stand out of its hollows
+static const double FACETS = 0.00045;  // m by which the body's triangles may stand out of its hollows
 
-static const double SAG = 0.0005;   // m by which a dress of SAGGING vertices cuts the corners of the body
+static const double SAG = 0.0012;   // m by which a dress of SAGGING vertices cuts the corners of the body
 static const double SAGGING = 5000; // vertices; with fewer it cuts deeper, with more it does not matter
 
 static const uint32_t NO_VERTEX = UINT32_MAX;

@@ -10,13 +10,13 @@
 #include <string.h>
 
 static const PercaleDressGrid GRID = {
-    .side = 4, .face = 24, .below = 42, .hole = 10, .yoke = 7, .sleeve = 12};
+    .side = 4, .face = 24, .below = 42, .hole = 10, .yoke = 5, .sleeve = 12};
 
 // The cut, m, in the body's coordinates.
 static const double AXIS_Z = -0.008; // of the trunk
-static const double HEM_Y = 0.47;
+static const double HEM_Y = 0.52;
 static const double SKIRT_Y = 0.955;      // above it the skirt narrows quickly into the waist
-static const double SKIRT_RADIUS = 0.114; // there
+static const double SKIRT_RADIUS = 0.113; // there
 static const double SKIRT_FLAT = 0.060;   // half of the straight part of the oval in front and behind
 static const double SKIRT_FLARE = 0.19;   // radius gained per metre downwards
 static const double WAIST_FLARE = 1.20;   // the same above SKIRT_Y
@@ -24,8 +24,8 @@ static const double FLARE_BLEND = 0.04;   // half the height over which one beco
 static const double SKIRT_BLEND = 0.025;  // smooth union of skirt and bodice
 static const double BODICE_END = 0.70;    // below it the trunk is out of reach
 
-static const double SLEEVE_EASE = 0.016; // more radius at the elbow than the arm has
-static const double ARM_BLEND = 0.048;   // wider than the body's: room under the arm
+static const double SLEEVE_EASE = 0.024; // more radius at the elbow than the arm has
+static const double ARM_BLEND = 0.070;   // wider than the body's: room under the arm
 static const double CUFF = 0.160;        // from the shoulder along the arm
 
 static const double ARMHOLE_CENTER[3] = {0.152, 1.335, -0.014}; // in an upright plane across the arm
@@ -36,7 +36,7 @@ static const double BUST_Y = 1.225;    // of the front and back middle at the he
 
 // Folds: they open from FOLD_TOP to the hem, and stand outside the plain skirt everywhere.
 static const double FOLD_TOP = 0.93;    // m
-static const double FOLD_DEPTH = 0.080; // m from valley to crest at the hem
+static const double FOLD_DEPTH = 0.060; // m from valley to crest at the hem
 static const double TURN = 6.283185307179586;
 
 static const int RELAXATIONS = 80;         // the first guess is good; only its corners must spread out
@@ -169,6 +169,7 @@ static void march_out(double clearance, const double origin[3], const double dir
     double inside = 0.0;
     double outside = 0.0;
     double step = MARCH;
+    memcpy(point, origin, 3 * sizeof *point);
     while (step > EXACTLY) {
         const double t = inside + step;
         for (int k = 0; k < 3; k++) {
@@ -264,13 +265,29 @@ static void lay_neckline(PercaleDressShape *shape)
     }
 }
 
-// Between the armholes, from edge to edge: at the height of the trunk's middle where the rim is level with
-// it.
+// One row of the front or the back, between its ends on two rims: a parabola through a point in the middle.
+static void lay_arch(const PercaleDressShape *shape, uint32_t row, uint32_t first, const double summit[3])
+{
+    const double *left = trunk_point(shape, row, first);
+    const double *right = trunk_point(shape, row, first + GRID.face);
+    for (uint32_t column = first + 1; column < first + GRID.face; column++) {
+        const double share = (double)(column - first) / GRID.face;
+        const double arch = 4.0 * share * (1.0 - share);
+        double *point = trunk_point(shape, row, column);
+        for (int k = 0; k < 3; k++) {
+            const double chord = left[k] + share * (right[k] - left[k]);
+            point[k] = chord + arch * (summit[k] - 0.5 * (left[k] + right[k]));
+        }
+        settle(shape->clearance, ROUGHLY, point);
+    }
+}
+
+// Between the armholes; the middles go up evenly from the bust to the neckline.
 static void lay_chest(PercaleDressShape *shape)
 {
-    const uint32_t half = percale_dress_columns(GRID) / 2;
+    const uint32_t columns = percale_dress_columns(GRID);
     for (uint32_t row = GRID.below; row <= GRID.below + GRID.hole; row++) {
-        for (uint32_t first = GRID.side; first < 2 * half; first += half) {
+        for (uint32_t first = GRID.side; first < columns; first += columns / 2) {
             const uint32_t middle = first + GRID.face / 2;
             const double *neck = trunk_point(shape, percale_dress_rows(GRID), middle);
             const double up = (double)(row - GRID.below) / (GRID.hole + GRID.yoke);
@@ -279,21 +296,7 @@ static void lay_chest(PercaleDressShape *shape)
             double summit[3];
             column_direction(middle, direction);
             march_out(shape->clearance, center, direction, summit);
-            const double *left = trunk_point(shape, row, first);
-            const double *right = trunk_point(shape, row, first + GRID.face);
-            for (uint32_t column = first + 1; column < first + GRID.face; column++) {
-                const double share = (double)(column - first) / GRID.face;
-                const double arch = 4.0 * share * (1.0 - share);
-                double chord[3];
-                double bow[3];
-                double *point = trunk_point(shape, row, column);
-                blend(left, right, share, chord);
-                blend(left, right, 0.5, bow);
-                for (int k = 0; k < 3; k++) {
-                    point[k] = chord[k] + arch * (summit[k] - bow[k]);
-                }
-                settle(shape->clearance, ROUGHLY, point);
-            }
+            lay_arch(shape, row, first, summit);
         }
     }
 }

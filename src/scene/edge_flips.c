@@ -172,7 +172,7 @@ bool percale_flip_edges(const double *positions, uint32_t vertex_count, uint32_t
                         uint32_t triangle_count)
 {
     HalfEdges mesh = {.positions = positions, .from = triangles, .count = 3 * triangle_count};
-    mesh.twin = malloc(mesh.count * sizeof *mesh.twin);
+    mesh.twin = calloc(mesh.count, sizeof *mesh.twin);
     mesh.valence = calloc(vertex_count, sizeof *mesh.valence);
     const bool good = mesh.twin && mesh.valence && pair_twins(&mesh);
     bool flipped = good;

@@ -28,6 +28,7 @@ typedef struct Lattice {
 typedef struct Net {
     double *positions; ///< [3 * vertex_count] m
     uint32_t vertex_count;
+    uint32_t vertex_capacity;
     uint32_t *triangles; ///< [3 * triangle_count]
     uint32_t triangle_count;
 } Net;
@@ -126,32 +127,36 @@ static bool cell_vertex(const Lattice *lattice, const uint32_t low[3], double ve
     return crossings > 0;
 }
 
+static bool add_vertex(Net *net, const double vertex[3])
+{
+    if (net->vertex_count == net->vertex_capacity) {
+        const uint32_t capacity = net->vertex_capacity ? 2 * net->vertex_capacity : 4096;
+        double *grown = realloc(net->positions, 3 * (size_t)capacity * sizeof *grown);
+        if (!grown) {
+            return false;
+        }
+        net->positions = grown;
+        net->vertex_capacity = capacity;
+    }
+    memcpy(net->positions + 3 * (size_t)net->vertex_count, vertex, 3 * sizeof *vertex);
+    net->vertex_count++;
+    return true;
+}
+
 static bool place_vertices(Lattice *lattice, Net *net)
 {
-    size_t capacity = 0;
+    bool good = true;
     for (uint32_t z = 0; z + 1 < lattice->count[2]; z++) {
         for (uint32_t y = 0; y + 1 < lattice->count[1]; y++) {
             for (uint32_t x = 0; x + 1 < lattice->count[0]; x++) {
                 double vertex[3];
-                uint32_t *slot = &lattice->vertices[lattice_index(lattice, x, y, z)];
-                *slot = NO_VERTEX;
-                if (!cell_vertex(lattice, (const uint32_t[3]){x, y, z}, vertex)) {
-                    continue;
-                }
-                if (net->vertex_count == capacity) {
-                    capacity = capacity ? 2 * capacity : 4096;
-                    double *grown = realloc(net->positions, 3 * capacity * sizeof *grown);
-                    if (!grown) {
-                        return false;
-                    }
-                    net->positions = grown;
-                }
-                memcpy(net->positions + 3 * (size_t)net->vertex_count, vertex, sizeof vertex);
-                *slot = net->vertex_count++;
+                const bool crossed = cell_vertex(lattice, (const uint32_t[3]){x, y, z}, vertex);
+                lattice->vertices[lattice_index(lattice, x, y, z)] = crossed ? net->vertex_count : NO_VERTEX;
+                good = good && (!crossed || add_vertex(net, vertex));
             }
         }
     }
-    return true;
+    return good && net->vertex_count > 0;
 }
 
 static double square_distance(const double *a, const double *b)
@@ -175,35 +180,37 @@ static void add_quad(Net *net, const uint32_t quad[4])
     net->triangle_count += 2;
 }
 
-// One quad around every lattice edge that the surface crosses. The box is larger than the surface, so that
-// the four cells around such an edge exist.
+// A quad around each of the lattice edges from point `here` upwards that the surface crosses. The box is
+// larger than the surface, so that the four cells around such an edge exist.
+static void place_quads_at(const Lattice *lattice, size_t here, Net *net)
+{
+    const size_t stride[3] = {1, lattice->count[0], (size_t)lattice->count[0] * lattice->count[1]};
+    const uint32_t *cells = lattice->vertices;
+    for (int axis = 0; axis < 3; axis++) {
+        const double from = lattice->values[here];
+        const double to = lattice->values[here + stride[axis]];
+        if ((from < 0) == (to < 0)) {
+            continue;
+        }
+        const size_t u = stride[(axis + 1) % 3];
+        const size_t v = stride[(axis + 2) % 3];
+        const uint32_t out[4] = {cells[here - u - v], cells[here - v], cells[here], cells[here - u]};
+        const uint32_t in[4] = {out[3], out[2], out[1], out[0]};
+        add_quad(net, from < 0 ? out : in);
+    }
+}
+
 // A cell has 12 edges and a quad 4 cells: at most 3 quads per vertex.
 static bool place_quads(const Lattice *lattice, Net *net)
 {
-    net->triangles = malloc(3 * sizeof *net->triangles * 6 * ((size_t)net->vertex_count + 1));
+    net->triangles = malloc(3 * sizeof *net->triangles * 6 * (size_t)net->vertex_count);
     if (!net->triangles) {
         return false;
     }
     for (uint32_t z = 1; z + 1 < lattice->count[2]; z++) {
         for (uint32_t y = 1; y + 1 < lattice->count[1]; y++) {
             for (uint32_t x = 1; x + 1 < lattice->count[0]; x++) {
-                const size_t here = lattice_index(lattice, x, y, z);
-                const size_t stride[3] = {1, lattice->count[0],
-                                          (size_t)lattice->count[0] * lattice->count[1]};
-                for (int axis = 0; axis < 3; axis++) {
-                    const double from = lattice->values[here];
-                    const double to = lattice->values[here + stride[axis]];
-                    if ((from < 0) == (to < 0)) {
-                        continue;
-                    }
-                    const size_t u = stride[(axis + 1) % 3];
-                    const size_t v = stride[(axis + 2) % 3];
-                    const uint32_t *cells = lattice->vertices;
-                    const uint32_t out[4] = {cells[here - u - v], cells[here - v], cells[here],
-                                             cells[here - u]};
-                    const uint32_t in[4] = {out[3], out[2], out[1], out[0]};
-                    add_quad(net, from < 0 ? out : in);
-                }
+                place_quads_at(lattice, lattice_index(lattice, x, y, z), net);
             }
         }
     }
@@ -244,6 +251,41 @@ static bool relax(PercaleField *field, double tolerance, Net *net)
     return good;
 }
 
+// Flat triangles with their corners on the surface lie inside where it bulges and outside where it is hollow.
+// Corners that go half as far the other way put the triangles astride the surface.
+static bool straddle(PercaleField *field, Net *net)
+{
+    double *depths = calloc(net->vertex_count, sizeof *depths);
+    uint32_t *valences = calloc(net->vertex_count, sizeof *valences);
+    const bool good = depths && valences;
+    for (uint32_t t = 0; good && t < net->triangle_count; t++) {
+        const uint32_t *v = net->triangles + 3 * (size_t)t;
+        double middle[3];
+        double gradient[3];
+        for (size_t k = 0; k < 3; k++) {
+            middle[k] = (net->positions[3 * (size_t)v[0] + k] + net->positions[3 * (size_t)v[1] + k] +
+                         net->positions[3 * (size_t)v[2] + k]) /
+                        3.0;
+        }
+        const double depth = field(middle, gradient);
+        for (int k = 0; k < 3; k++) {
+            depths[v[k]] += depth;
+            valences[v[k]]++;
+        }
+    }
+    for (size_t i = 0; good && i < net->vertex_count; i++) {
+        double *p = net->positions + 3 * i;
+        double gradient[3];
+        (void)field(p, gradient);
+        for (int k = 0; k < 3; k++) {
+            p[k] -= 0.5 * depths[i] / valences[i] * gradient[k];
+        }
+    }
+    free(depths);
+    free(valences);
+    return good;
+}
+
 // Re-connect and slide, twice, since better places ask for better edges. Fails at once on a bad lattice.
 static bool even_out(PercaleField *field, Net *net)
 {
@@ -252,7 +294,7 @@ static bool even_out(PercaleField *field, Net *net)
         good = percale_flip_edges(net->positions, net->vertex_count, net->triangles, net->triangle_count) &&
                relax(field, round + 1 < ROUNDS ? ROUGHLY : EXACTLY, net);
     }
-    return good;
+    return good && straddle(field, net);
 }
 
 static bool net_to_mesh(const Net *net, PercaleMesh *mesh)

@@ -1,7 +1,7 @@
 // iso_surface.h: a closed triangle mesh of a field's zero level, with well-shaped triangles.
 //
 //   in   a signed distance field, a box that holds its zero level, the size of a lattice cell
-//   out  vertices on the zero level, triangles counter-clockwise seen from where the field is positive
+//   out  triangles astride the zero level, counter-clockwise seen from where the field is positive
 //
 // Surface nets (Gibson 1998): one vertex per cell that the surface crosses, one quad per lattice edge that it
 // crosses; then the vertices slide along the surface and edges flip, to even out the triangles.

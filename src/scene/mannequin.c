@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double CELL = 0.0150;                            // m; gives about 20,000 triangles
-static const double BOX_LOWER[3] = {-0.72, -0.0625, -0.2415}; // m; holds the rest pose with a cell to spare
+static const double CELL = 0.0150; // m; gives about 20,000 triangles
+static const double BOX_LOWER[3] = {-0.72, -0.063125,
+                                    -0.241875}; // m; holds the rest pose with a cell to spare
 static const double BOX_UPPER[3] = {0.72, 1.77, 0.25};
 
 static const double WEIGHT_REACH = 0.05; // m; a bone so much farther than the nearest has no say
@@ -31,10 +32,10 @@ static const double KNEE_LEAD = 0.20;    // how long before mid-swing the knee i
 static const double ANKLE_SHARE = 0.70;  // of the leg's tilt that the ankle takes back
 static const double PELVIS_TURN = 0.07;  // about y, towards the leg in front
 static const double PELVIS_LIST = 0.035; // about z, down on the side of the swinging leg
-static const double CHEST_TURN = 0.13;   // against the pelvis
+static const double CHEST_TURN = 0.08;   // against the pelvis
 static const double PELVIS_SWAY = 0.012; // m
-static const double ARM_DROP = 0.16;     // from the A-pose; more would bring the hands to the skirt
-static const double ARM_SWING = 0.40;
+static const double ARM_DROP = 0.10;     // from the A-pose; more would bring the hands to the skirt
+static const double ARM_SWING = 0.22;
 static const double ELBOW_BEND = 0.30;
 static const double ELBOW_SWING = 0.15;
 static const double HAND_BEND = 0.12;
@@ -299,27 +300,34 @@ static bool make_weights(PercaleMannequin *mannequin, const PercaleMesh *mesh)
     return true;
 }
 
+// Only how far the bones move the point is blended, so that the rest pose stays bit for bit what it is.
+static void skin_point(const Motion motions[PERCALE_BONE_COUNT], const float *weights, double point[3])
+{
+    double shift[3] = {0, 0, 0};
+    for (int bone = 0; bone < PERCALE_BONE_COUNT; bone++) {
+        if (weights[bone] > 0.0F) {
+            double moved[3];
+            apply(&motions[bone], point, moved);
+            for (int k = 0; k < 3; k++) {
+                shift[k] += (double)weights[bone] * (moved[k] - point[k]);
+            }
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        point[k] += shift[k];
+    }
+}
+
 void percale_mannequin_pose(const PercaleMannequin *mannequin, double seconds, float *positions)
 {
     Motion motions[PERCALE_BONE_COUNT];
     pose_bones(fmax(seconds, 0.0), mannequin->jump, motions);
     for (size_t i = 0; i < mannequin->vertex_count; i++) {
-        const float *weights = mannequin->weights + PERCALE_BONE_COUNT * i;
         const float *rest = mannequin->rest + 3 * i;
-        const double point[3] = {(double)rest[0], (double)rest[1], (double)rest[2]};
-        double shift[3] = {0, 0,
-                           0}; // the rest pose stays bit for bit what it is: only differences are blended
-        for (int bone = 0; bone < PERCALE_BONE_COUNT; bone++) {
-            if (weights[bone] > 0.0F) {
-                double moved[3];
-                apply(&motions[bone], point, moved);
-                for (int k = 0; k < 3; k++) {
-                    shift[k] += (double)weights[bone] * (moved[k] - point[k]);
-                }
-            }
-        }
+        double point[3] = {(double)rest[0], (double)rest[1], (double)rest[2]};
+        skin_point(motions, mannequin->weights + PERCALE_BONE_COUNT * i, point);
         for (size_t k = 0; k < 3; k++) {
-            positions[3 * i + k] = (float)(point[k] + shift[k]);
+            positions[3 * i + k] = (float)point[k];
         }
     }
 }

@@ -13,6 +13,9 @@ static const PercaleSettingRow extra[] = {
      NULL,
      0}};
 
+// Cotton on skin; with less the dress would hang on its shoulders alone.
+static const char *const defaults[] = {"friction", "0.6", NULL};
+
 static void pose(const void *figure, double seconds, float *positions)
 {
     percale_mannequin_pose(figure, seconds, positions);
@@ -60,4 +63,5 @@ const PercaleSceneKind percale_scene_dress = {.name = "dress",
                                               .default_frames = 120,
                                               .extra_count = sizeof extra / sizeof extra[0],
                                               .extra = extra,
+                                              .defaults = defaults,
                                               .make = make};

@@ -67,13 +67,17 @@ static void run_sweep(const PercaleSweepPlan *plan, Team team)
     run_batches(arrays, team, &plan->contacts, percale_solve_contact);
 }
 
+static size_t work_of(const PercaleSweepPlan *plan)
+{
+    return (size_t)plan->edges.count + plan->hinges.count + plan->contacts.count;
+}
+
 void percale_sweep_run(const PercaleSweepPlan *plan)
 {
-    size_t work = plan->edges.count + plan->hinges.count + plan->contacts.count;
     PercaleBarrier barrier;
     barrier_init(&barrier);
-#pragma omp parallel default(none) shared(plan, work, barrier) \
-    num_threads(threads_for(work, plan->thread_count))
+#pragma omp parallel default(none) shared(plan, barrier) \
+    num_threads(threads_for(work_of(plan), plan->thread_count))
     {
         uint32_t mode = float_mode_enter();
         Team team = {&barrier, omp_get_num_threads(), omp_get_thread_num()};

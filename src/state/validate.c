@@ -59,7 +59,7 @@ static PercaleResult check_batches(const PercaleModel *model, const Constraints 
     const PercaleBatches *batches = constraints->batches;
     uint32_t *met = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
     PercaleResult result = met == NULL ? percale_fail_memory(message) : PERCALE_OK;
-    for (uint32_t color = 0; color < batches->color_count; color++) {
+    for (uint32_t color = 0; constraints->vertices != NULL && color < batches->color_count; color++) {
         for (uint32_t i = batches->first[color]; result == PERCALE_OK && i < batches->first[color + 1]; i++) {
             result = check_constraint(model, constraints, i, color, met, message);
         }

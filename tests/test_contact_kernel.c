@@ -1,0 +1,345 @@
+// The contact kernel: its stencils against central differences of the distance, its projection, its friction.
+
+#include "kernel_testing.h"
+
+#include "detect/contacts.h"
+#include "percale/geometry.h"
+#include "solve/solve_arrays.h"
+
+#include <math.h>
+
+enum { TRIALS = 300 };
+
+typedef struct Contact {
+    PercaleModelObstacle obstacle;
+    uint32_t triangles[3];
+    PercaleSurface surface;
+    f32x4 x[POINTS]; // vertex, then the face
+    PercaleClosest closest;
+    int side;
+    PercaleStencil stencil;
+} Contact;
+
+/// A vertex over or under the place of a triangle with the barycentric coordinates b, and the stencil that
+/// detection makes of it.
+static void open_contact(Contact *contact, uint64_t *seed, const double b[3], double height)
+{
+    *contact = (Contact){.obstacle = {.vertex_count = 3, .triangle_count = 1, .thickness = 0.002f},
+                         .triangles = {1, 2, 3}};
+    contact->obstacle.triangles = contact->triangles;
+    contact->surface = (PercaleSurface){&contact->obstacle, NULL, contact->x};
+    Vec3 corner[3];
+    Vec3 normal;
+    do {
+        random_points(seed, contact->x);
+        for (int k = 0; k < 3; k++) {
+            corner[k] = vec3_of(contact->x[1 + k]);
+        }
+        normal = vcross(vsub(corner[1], corner[0]), vsub(corner[2], corner[0]));
+    } while (vlength(normal) < 0.5);
+    Vec3 place = vadd(vadd(vscale(b[0], corner[0]), vscale(b[1], corner[1])), vscale(b[2], corner[2]));
+    contact->x[0] = f32x4_of(vadd(place, vscale(height, vunit(normal))), contact->x[0][3]);
+    Vec3 point = vec3_of(contact->x[0]);
+    contact->side = height > 0.0 ? 1 : -1;
+    contact->closest = percale_closest_on_triangle(point, corner[0], corner[1], corner[2]);
+    Vec3 direction = percale_contact_normal(&contact->surface, point, 0, &contact->closest, contact->side);
+    contact->stencil =
+        (PercaleStencil){.points = {0, 1, 2, 3}, .weights = {1.0f}, .normal = f32x4_of(direction, 0.0f)};
+    float weights[3];
+    quantize_weights(contact->closest.weights, weights);
+    for (int k = 0; k < 3; k++) {
+        contact->stencil.weights[1 + k] = -weights[k];
+    }
+}
+
+static double signed_distance(const Vec3 x[POINTS], const void *side)
+{
+    double points[POINTS][3];
+    double weights[POINTS];
+    for (int k = 0; k < POINTS; k++) {
+        points[k][0] = x[k].x;
+        points[k][1] = x[k].y;
+        points[k][2] = x[k].z;
+    }
+    return (double)*(const int *)side * percale_vertex_face_closest((const double(*)[3])points, weights);
+}
+
+/// A place in the middle of each kind of region: face, the three sides, the three corners.
+static const double REGIONS[7][3] = {{0.3, 0.3, 0.4},   {0.6, 0.7, -0.3},  {-0.3, 0.5, 0.8}, {0.5, -0.3, 0.8},
+                                     {2.2, -0.6, -0.6}, {-0.6, 2.2, -0.6}, {-0.6, -0.6, 2.2}};
+
+START_TEST(contact_stencils_are_the_gradient_of_the_distance)
+{
+    uint64_t seed = 5;
+    int met[REGION_CORNER_2 + 1] = {0};
+    for (int trial = 0; trial < 2 * TRIALS; trial++) {
+        Contact contact;
+        Vec3 points[POINTS];
+        Vec3 gradient[POINTS];
+        double height = trial % 2 == 0 ? 0.2 : -0.2;
+        open_contact(&contact, &seed, REGIONS[trial / 2 % 7], height);
+        load_points(contact.x, points);
+        differentiate(signed_distance, &contact.side, points, 1e-4, gradient);
+        met[contact.closest.region]++;
+        for (int k = 0; k < POINTS; k++) { // the weights were rounded to 2^-24, the normal to float32
+            Vec3 stencil = vscale((double)contact.stencil.weights[k], vec3_of(contact.stencil.normal));
+            ck_assert_double_lt(vlength(vsub(stencil, gradient[k])), 5e-7);
+        }
+    }
+    for (int region = 0; region <= REGION_CORNER_2; region++) {
+        ck_assert_int_gt(met[region], TRIALS / 10);
+    }
+}
+END_TEST
+
+static PercaleSolveArrays contact_arrays(Contact *contact, f32x4 x[POINTS], const f32x4 start[POINTS])
+{
+    static const uint32_t ORDER = 0;
+    return (PercaleSolveArrays){
+        .x = x, .start = start, .dt = 1e-3f, .stencils = &contact->stencil, .stencil_order = &ORDER};
+}
+
+START_TEST(contact_moves_along_its_gradient_onto_its_distance)
+{
+    uint64_t seed = 6;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        Contact contact;
+        f32x4 x[POINTS];
+        Vec3 gradient[POINTS];
+        open_contact(&contact, &seed, REGIONS[trial % 7], trial % 2 == 0 ? 0.02 : -0.02);
+        double distance = (double)contact.side * sqrt(contact.closest.distance2);
+        double target = distance + 0.05;
+        contact.stencil.normal[3] = (float)target;
+        for (int k = 0; k < POINTS; k++) {
+            gradient[k] = vscale((double)contact.stencil.weights[k], vec3_of(contact.stencil.normal));
+        }
+        memcpy(x, contact.x, sizeof(x));
+        PercaleSolveArrays arrays = contact_arrays(&contact, x, contact.x);
+        percale_solve_contact(&arrays, 0, 1);
+        double stiffness = mobility(contact.x, gradient);
+        expect_moved_along((const f32x4 *)contact.x, (const f32x4 *)x, (const Vec3 *)gradient,
+                           stiffness > 0.0 ? 0.05 / stiffness : 0.0);
+    }
+}
+END_TEST
+
+/// sum m dx and sum m x cross dx, in relation to sum m |dx|.
+static void momenta(const f32x4 before[POINTS], const f32x4 after[POINTS], double *linear, double *angular)
+{
+    Vec3 sum = {0.0, 0.0, 0.0};
+    Vec3 turn = {0.0, 0.0, 0.0};
+    double size = 0.0;
+    for (int k = 0; k < POINTS; k++) {
+        double mass = 1.0 / (double)before[k][3];
+        Vec3 moved = vscale(mass, vsub(vec3_of(after[k]), vec3_of(before[k])));
+        sum = vadd(sum, moved);
+        turn = vadd(turn, vcross(vec3_of(before[k]), moved));
+        size += vlength(moved);
+    }
+    *linear = vlength(sum) / size;
+    *angular = vlength(turn) / size;
+}
+
+START_TEST(contact_keeps_momentum)
+{
+    uint64_t seed = 7;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        Contact contact;
+        f32x4 x[POINTS];
+        open_contact(&contact, &seed, REGIONS[trial % 7], trial % 2 == 0 ? 0.2 : -0.2);
+        for (int k = 0; k < POINTS; k++) {
+            contact.x[k][3] = random_float(&seed, 0.1, 10.0);
+        }
+        double distance = (double)contact.side * sqrt(contact.closest.distance2);
+        contact.stencil.normal[3] = (float)(distance + 0.1);
+        memcpy(x, contact.x, sizeof(x));
+        PercaleSolveArrays arrays = contact_arrays(&contact, x, contact.x);
+        percale_solve_contact(&arrays, 0, 1);
+        double linear;
+        double angular;
+        momenta((const f32x4 *)contact.x, (const f32x4 *)x, &linear, &angular);
+        ck_assert_double_lt(linear, 5e-5);  // what float32 leaves of a heavy point's short way
+        ck_assert_double_lt(angular, 5e-5); // the closest points' difference is parallel to the normal
+    }
+}
+END_TEST
+
+START_TEST(a_contact_that_keeps_its_distance_does_nothing)
+{
+    uint64_t seed = 8;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        Contact contact;
+        f32x4 x[POINTS];
+        open_contact(&contact, &seed, REGIONS[trial % 7], 0.2);
+        contact.stencil.friction = 0.5f;
+        contact.stencil.normal[3] = (float)sqrt(contact.closest.distance2) - 1e-3f;
+        memcpy(x, contact.x, sizeof(x));
+        f32x4 start[POINTS] = {{0}}; // a long way: friction would show
+        PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+        percale_solve_contact(&arrays, 0, 1);
+        ck_assert_mem_eq(contact.x, x, sizeof(x));
+    }
+}
+END_TEST
+
+START_TEST(a_contact_that_nobody_can_yield_to_does_nothing)
+{
+    uint64_t seed = 9;
+    Contact contact;
+    f32x4 x[POINTS];
+    open_contact(&contact, &seed, REGIONS[0], -0.2);
+    for (int k = 0; k < POINTS; k++) {
+        contact.x[k][3] = 0.0f;
+    }
+    memcpy(x, contact.x, sizeof(x));
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, contact.x);
+    percale_solve_contact(&arrays, 0, 1);
+    ck_assert_mem_eq(contact.x, x, sizeof(x));
+    ck_assert_mem_eq(&contact.stencil.multiplier, &(f32x4){0}, sizeof(f32x4));
+}
+END_TEST
+
+// ---- friction ----
+
+static f32x4 random_shift(uint64_t *seed, double size)
+{
+    return (f32x4){random_float(seed, -size, size), random_float(seed, -size, size),
+                   random_float(seed, -size, size), 0.0f};
+}
+
+START_TEST(friction_stays_inside_the_cone)
+{
+    uint64_t seed = 10;
+    int sliding_count = 0;
+    int sticking_count = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        Contact contact;
+        f32x4 x[POINTS];
+        f32x4 start[POINTS];
+        open_contact(&contact, &seed, REGIONS[trial % 7], -0.05);
+        contact.stencil.friction = random_float(&seed, 0.0, 1.5);
+        memcpy(x, contact.x, sizeof(x));
+        memcpy(start, contact.x, sizeof(start));
+        PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+        for (int sweep = 0; sweep < 10; sweep++) { // other constraints pull at the points between sweeps
+            for (int k = 0; k < POINTS; k++) {
+                x[k] += x[k][3] > 0.0f ? random_shift(&seed, 0.02) : (f32x4){0};
+            }
+            percale_solve_contact(&arrays, 0, 1);
+            f32x4 total = contact.stencil.multiplier;
+            float normal = total[3];
+            float tangential = length3(total);
+            ck_assert(normal >= 0.0f);
+            ck_assert(tangential <= contact.stencil.friction * normal * (1.0f + 1e-5f));
+            ck_assert(fabsf(dot3(total, contact.stencil.normal)) <= 1e-5f * (tangential + normal));
+            bool slides = tangential >= contact.stencil.friction * normal * (1.0f - 1e-5f);
+            sliding_count += normal > 0.0f && slides;
+            sticking_count += normal > 0.0f && !slides;
+        }
+    }
+    ck_assert_int_gt(sliding_count, TRIALS);
+    ck_assert_int_gt(sticking_count, TRIALS);
+}
+END_TEST
+
+static void expect_near(float value, float expected)
+{
+    ck_assert_double_eq_tol((double)value, (double)expected, 2e-8);
+}
+
+/// A vertex of 0.5 kg above a fixed floor that keeps 2 mm: it has gone `slip` along x and stands `depth` too
+/// low. Returns where it is afterwards.
+static f32x4 press(float depth, float slip, float friction, int sweeps)
+{
+    Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                   .weights = {1.0f, -0.5f, -0.25f, -0.25f},
+                                   .normal = {0.0f, 0.0f, 1.0f, 0.002f},
+                                   .friction = friction}};
+    f32x4 start[POINTS] = {{0.0f, 0.0f, 0.002f, 2.0f},
+                           {-1.0f, -1.0f, 0.0f, 0.0f},
+                           {2.0f, 0.0f, 0.0f, 0.0f},
+                           {0.0f, 2.0f, 0.0f, 0.0f}};
+    f32x4 x[POINTS];
+    memcpy(x, start, sizeof(x));
+    x[0] += (f32x4){slip, 0.0f, -depth, 0.0f};
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+    for (int sweep = 0; sweep < sweeps; sweep++) {
+        percale_solve_contact(&arrays, 0, 1);
+    }
+    return x[0];
+}
+
+// What slides is braked by mu times the depth, what holds doesn't move at all; more sweeps change nothing.
+START_TEST(friction_brakes_as_coulomb_says)
+{
+    for (int sweeps = 1; sweeps < 5; sweeps++) {
+        for (int i = 0; i < 10; i++) {
+            float slip = 1e-5f * (float)(1 << i);
+            f32x4 end = press(1e-3f, slip, 0.4f, sweeps);
+            float left = slip > 0.4e-3f ? slip - 0.4e-3f : 0.0f;
+            expect_near(end[0], left);
+            expect_near(end[1], 0.0f);
+            expect_near(end[2], 0.002f);
+        }
+    }
+}
+END_TEST
+
+START_TEST(friction_lets_go_with_the_contact)
+{
+    Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                   .weights = {1.0f, -0.5f, -0.25f, -0.25f},
+                                   .normal = {0.0f, 0.0f, 1.0f, 0.002f},
+                                   .friction = 1.0f}};
+    f32x4 start[POINTS] = {{0.0f, 0.0f, 0.002f, 2.0f},
+                           {-1.0f, -1.0f, 0.0f, 0.0f},
+                           {2.0f, 0.0f, 0.0f, 0.0f},
+                           {0.0f, 2.0f, 0.0f, 0.0f}};
+    f32x4 x[POINTS];
+    memcpy(x, start, sizeof(x));
+    x[0] += (f32x4){5e-4f, 0.0f, -1e-3f, 0.0f};
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+    percale_solve_contact(&arrays, 0, 1);
+    expect_near(x[0][0], 0.0f); // held
+    x[0][2] += 0.01f;           // torn off by something else
+    percale_solve_contact(&arrays, 0, 1);
+    expect_near(x[0][0], 5e-4f); // as if it had never been touched
+    expect_near(x[0][2], 0.011f);
+    expect_near(contact.stencil.multiplier[3], 0.0f);
+}
+END_TEST
+
+START_TEST(quantized_weights_sum_to_exactly_one)
+{
+    uint64_t seed = 11;
+    for (int trial = 0; trial < 100 * TRIALS; trial++) {
+        double u = percale_test_random(&seed);
+        double v = (1.0 - u) * percale_test_random(&seed);
+        const double weights[3] = {u, v, 1.0 - u - v};
+        float rounded[3];
+        quantize_weights(weights, rounded);
+        ck_assert(1.0f - rounded[0] - rounded[1] - rounded[2] == 0.0f);
+        ck_assert((double)rounded[0] + (double)rounded[1] + (double)rounded[2] == 1.0);
+        for (int k = 0; k < 3; k++) {
+            ck_assert(fabs((double)rounded[k] - weights[k]) <= 6.1e-8);
+        }
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("contact kernel");
+    TCase *contact = tcase_create("contact");
+    tcase_add_test(contact, contact_stencils_are_the_gradient_of_the_distance);
+    tcase_add_test(contact, contact_moves_along_its_gradient_onto_its_distance);
+    tcase_add_test(contact, contact_keeps_momentum);
+    tcase_add_test(contact, a_contact_that_keeps_its_distance_does_nothing);
+    tcase_add_test(contact, a_contact_that_nobody_can_yield_to_does_nothing);
+    tcase_add_test(contact, friction_stays_inside_the_cone);
+    tcase_add_test(contact, friction_brakes_as_coulomb_says);
+    tcase_add_test(contact, friction_lets_go_with_the_contact);
+    tcase_add_test(contact, quantized_weights_sum_to_exactly_one);
+    suite_add_tcase(suite, contact);
+    return percale_test_run(suite);
+}
