@@ -304,7 +304,8 @@ static bool allocate_solve(PercaleSolver *solver)
     PercaleModel *model = &solver->model;
     PercaleMemory *memory = &solver->solve_memory;
     bool complete = true;
-    if (solver->def.iterations > 1 && model->edge_compliances != NULL) {
+    if (model->edge_compliances != NULL) { // stretch has several rounds in a sweep
+
         solver->edge_multipliers = percale_memory_new(memory, model->edge_count, sizeof(float));
         complete = solver->edge_multipliers != NULL;
     }

@@ -202,13 +202,17 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
 static PercaleResult color(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
-    const size_t vertex_stride = sizeof(PercaleStencil) / sizeof(uint32_t);
-    const size_t weight_stride = sizeof(PercaleStencil) / sizeof(float);
     const PercaleStencil *stencils = solver->stencils.items;
     uint32_t count = (uint32_t)solver->stencils.count;
-    bool complete = percale_coloring_run(&solver->contact_coloring, &solver->color_memory,
-                                         count > 0 ? stencils[0].points : NULL, vertex_stride,
-                                         count > 0 ? stencils[0].weights : NULL, weight_stride, 4, count,
+    PercaleConstraints constraints = {
+        .vertices = count > 0 ? stencils[0].points : NULL,
+        .vertex_stride = sizeof(PercaleStencil) / sizeof(uint32_t),
+        .weights = count > 0 ? stencils[0].weights : NULL,
+        .weight_stride = sizeof(PercaleStencil) / sizeof(float),
+        .arity = 4,
+        .count = count,
+    };
+    bool complete = percale_coloring_run(&solver->contact_coloring, &solver->color_memory, &constraints,
                                          solver->model.predicted, solver->model.point_count);
     solver->contacts = percale_batches_of(&solver->contact_coloring);
     if (solver->contacts.color_count > solver->counters.colors_max) {
@@ -256,7 +260,7 @@ static void solve(Substep *substep, uint32_t sweep_count)
     };
     percale_sweep_run(&plan);
     PercaleCounters *counters = &solver->counters;
-    uint64_t stretch = (uint64_t)sweep_count * model->edge_count;
+    uint64_t stretch = (uint64_t)sweep_count * STRETCH_ROUNDS * model->edge_count;
     uint64_t bend = (uint64_t)sweep_count * model->hinge_count;
     uint64_t seam = (uint64_t)sweep_count * model->open_seam_count;
     uint64_t contact = (uint64_t)sweep_count * solver->contacts.count;

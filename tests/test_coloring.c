@@ -76,8 +76,9 @@ static void close_bench(Bench *bench)
 
 static void color(Bench *bench, const Problem *problem)
 {
-    ck_assert(percale_coloring_run(&bench->coloring, &bench->memory, &problem->vertices[0][0], ARITY,
-                                   &problem->weights[0][0], ARITY, ARITY, problem->count, problem->points,
+    PercaleConstraints constraints = {
+        &problem->vertices[0][0], ARITY, &problem->weights[0][0], ARITY, ARITY, problem->count};
+    ck_assert(percale_coloring_run(&bench->coloring, &bench->memory, &constraints, problem->points,
                                    problem->point_count));
 }
 

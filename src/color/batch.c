@@ -24,8 +24,9 @@ bool percale_batch_edges(PercaleModel *model, PercaleColoring *coloring, Percale
 {
     uint32_t count = model->edge_count;
     void *scratch = percale_memory_new(memory, count, sizeof(model->edges[0]));
-    bool complete = scratch != NULL && percale_coloring_run(coloring, memory, &model->edges[0][0], 2, NULL, 0,
-                                                            2, count, model->position, model->point_count);
+    PercaleConstraints constraints = {&model->edges[0][0], 2, NULL, 0, 2, count};
+    bool complete = scratch != NULL &&
+                    percale_coloring_run(coloring, memory, &constraints, model->position, model->point_count);
     if (complete) {
         permute(model->edges, scratch, coloring->order, count, sizeof(model->edges[0]));
         permute(model->edge_lengths, scratch, coloring->order, count, sizeof(float));
@@ -43,8 +44,9 @@ bool percale_batch_hinges(PercaleModel *model, PercaleColoring *coloring, Percal
 {
     uint32_t count = model->hinge_count;
     void *scratch = percale_memory_new(memory, count, sizeof(model->hinges[0]));
-    bool complete = scratch != NULL && percale_coloring_run(coloring, memory, &model->hinges[0][0], 4, NULL,
-                                                            0, 4, count, model->position, model->point_count);
+    PercaleConstraints constraints = {&model->hinges[0][0], 4, NULL, 0, 4, count};
+    bool complete = scratch != NULL &&
+                    percale_coloring_run(coloring, memory, &constraints, model->position, model->point_count);
     if (complete) {
         permute(model->hinges, scratch, coloring->order, count, sizeof(model->hinges[0]));
         permute(model->hinge_weights, scratch, coloring->order, count, sizeof(f32x4));

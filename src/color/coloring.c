@@ -8,6 +8,14 @@ typedef struct Constraint {
     uint32_t arity;
 } Constraint;
 
+static Constraint constraint_at(const PercaleConstraints *constraints, uint32_t index)
+{
+    return (Constraint){
+        constraints->vertices + index * constraints->vertex_stride,
+        constraints->weights == NULL ? NULL : constraints->weights + index * constraints->weight_stride,
+        constraints->arity};
+}
+
 static bool takes_part(Constraint constraint, uint32_t corner, const f32x4 *points)
 {
     return points[constraint.vertices[corner]][3] > 0.0f &&
@@ -56,34 +64,36 @@ static void sort_by_color(PercaleColoring *coloring, const uint32_t *population)
     }
 }
 
-bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory, const uint32_t *vertices,
-                          size_t vertex_stride, const float *weights, size_t weight_stride, uint32_t arity,
-                          uint32_t count, const f32x4 *points, uint32_t point_count)
+static bool reserve(PercaleColoring *coloring, PercaleMemory *memory, uint32_t count, uint32_t point_count)
+{
+    return percale_memory_reserve(memory, &coloring->order, &coloring->order_capacity, count,
+                                  sizeof(uint32_t)) &&
+           percale_memory_reserve(memory, &coloring->color_of, &coloring->color_of_capacity, count, 1) &&
+           percale_memory_reserve(memory, &coloring->used, &coloring->used_capacity, point_count,
+                                  sizeof(uint64_t));
+}
+
+bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory,
+                          const PercaleConstraints *constraints, const f32x4 *points, uint32_t point_count)
 {
     coloring->count = 0;
     coloring->color_count = 0;
     memset(coloring->first, 0, sizeof(coloring->first));
-    if (!percale_memory_reserve(memory, &coloring->order, &coloring->order_capacity, count,
-                                sizeof(uint32_t)) ||
-        !percale_memory_reserve(memory, &coloring->color_of, &coloring->color_of_capacity, count, 1) ||
-        !percale_memory_reserve(memory, &coloring->used, &coloring->used_capacity, point_count,
-                                sizeof(uint64_t))) {
+    if (!reserve(coloring, memory, constraints->count, point_count)) {
         return false;
     }
     uint32_t population[COLORS_MAX + 1] = {0};
-    for (uint32_t i = 0; i < count; i++) {
-        Constraint constraint = {vertices + i * vertex_stride,
-                                 weights == NULL ? NULL : weights + i * weight_stride, arity};
-        uint32_t color = pick_color(constraint, points, coloring->used);
+    for (uint32_t i = 0; i < constraints->count; i++) {
+        uint32_t color = pick_color(constraint_at(constraints, i), points, coloring->used);
         coloring->color_of[i] = (uint8_t)color;
         population[color]++;
     }
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t k = 0; k < arity; k++) {
-            coloring->used[vertices[i * vertex_stride + k]] = 0;
+    for (uint32_t i = 0; i < constraints->count; i++) {
+        for (uint32_t k = 0; k < constraints->arity; k++) {
+            coloring->used[constraint_at(constraints, i).vertices[k]] = 0;
         }
     }
-    coloring->count = count;
+    coloring->count = constraints->count;
     sort_by_color(coloring, population);
     return true;
 }

@@ -27,11 +27,19 @@ typedef struct PercaleColoring {
     size_t used_capacity;
 } PercaleColoring;
 
-/// vertices: [arity * count]; weights: [arity * count] or NULL for all non-zero; strides are in elements from
-/// one constraint to the next. points[v][3] is the inverse mass. False without memory.
-bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory, const uint32_t *vertices,
-                          size_t vertex_stride, const float *weights, size_t weight_stride, uint32_t arity,
-                          uint32_t count, const f32x4 *points, uint32_t point_count);
+/// The constraints to colour. Strides are in elements from one constraint to the next.
+typedef struct PercaleConstraints {
+    const uint32_t *vertices; // arity of them per constraint
+    size_t vertex_stride;
+    const float *weights; // NULL: all non-zero
+    size_t weight_stride;
+    uint32_t arity;
+    uint32_t count;
+} PercaleConstraints;
+
+/// points[v][3] is the inverse mass. False without memory.
+bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory,
+                          const PercaleConstraints *constraints, const f32x4 *points, uint32_t point_count);
 void percale_coloring_free(PercaleColoring *coloring, PercaleMemory *memory);
 
 #endif

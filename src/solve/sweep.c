@@ -57,7 +57,9 @@ static void run_sweep(const PercaleSweepPlan *plan, Team team)
 {
     const PercaleSolveArrays *arrays = &plan->arrays;
     run_batches(arrays, team, &plan->hinges, percale_solve_bend);
-    run_batches(arrays, team, &plan->edges, percale_solve_stretch);
+    for (int round = 0; round < STRETCH_ROUNDS; round++) {
+        run_batches(arrays, team, &plan->edges, percale_solve_stretch);
+    }
     if (arrays->model->open_seam_count > 0) { // few, and only until they have closed
         if (team.thread == 0) {
             percale_solve_seam(arrays, 0, arrays->model->open_seam_count);
