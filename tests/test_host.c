@@ -190,10 +190,10 @@ static PercaleResult remove_box(Scene *scene)
 typedef PercaleResult Call(Scene *scene);
 
 static Call *const CALLS[] = {
-    make_solver, add_sheet,   add_patch, add_box,    add_ball,      add_pin,        add_seam,
-    validate,    step,        step,      move_pin,   move_ball,     turn_box,       step,
-    view,        judge,       step,      step,       set_positions, set_velocities, change_material,
-    step,        remove_seam, step,      remove_box, step,
+    make_solver, add_sheet, add_patch,  add_box, add_ball,      add_pin,        add_seam,        validate,
+    move_ball,   turn_box,  step,       step,    move_pin,      move_ball,      turn_box,        step,
+    view,        judge,     step,       step,    set_positions, set_velocities, change_material, step,
+    remove_seam, step,      remove_box, step,
 };
 enum { CALL_COUNT = sizeof(CALLS) / sizeof(CALLS[0]) };
 

@@ -230,7 +230,8 @@ static void cast_once(const Target *target, uint64_t *seed, uint32_t count, Tall
     float *ends = malloc(3 * sizeof(float) * count);
     float *pattern = malloc(2 * sizeof(float) * count);
     uint32_t *triangles = malloc(sizeof(uint32_t) * count);
-    ck_assert(positions != NULL && velocities != NULL && ends != NULL && pattern != NULL && triangles != NULL);
+    ck_assert(positions != NULL && velocities != NULL && ends != NULL && pattern != NULL &&
+              triangles != NULL);
     for (uint32_t i = 0; i < count; i++) {
         aim(target, seed, positions + 3 * (size_t)i, velocities + 3 * (size_t)i);
         pattern[2 * (size_t)i] = i % 3 == 1 ? 1.0f : 0.0f;

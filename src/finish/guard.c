@@ -52,9 +52,11 @@ static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 positio
     }
     stage->predicted[slot] = after;
     stage->start[slot] = start;
-    for (uint32_t o = 0; o < stage->judged_count; o++) {
+    for (uint32_t o = 0; o < stage->judged_count;
+         o++) { // it may be deep inside those: nothing is known any more
         stage->judged[o].clearance[slot] -= length3(after - before);
         stage->judged[o].side[slot] = 0;
+        stage->judged[o].nearest[slot] = NO_TRIANGLE;
     }
 }
 
