@@ -12,7 +12,7 @@ enum {
     SIDE =
         PERCALE_SANITIZED ? 24 : 76, // vertices along the sheet: 5,776, so that loops do get several threads
     PATCH_SIDE = 9,
-    FRAMES = PERCALE_SANITIZED ? 3 : 5
+    FRAMES = PERCALE_SANITIZED ? 3 : 4
 };
 
 /// What the scene below is made of; parts that a test adds for a moment are called `extra`.

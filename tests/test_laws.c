@@ -16,14 +16,16 @@ static PercaleSolverDef quiet_def(void)
 
 static float *positions_of(PercaleSolver *solver, PercaleCloth cloth, uint32_t count)
 {
-    float *positions = malloc(3 * (size_t)count * sizeof(float));
+    float *positions = calloc(3 * (size_t)count + 1, sizeof(float));
+    ck_assert_ptr_nonnull(positions);
     PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, cloth, positions, 0));
     return positions;
 }
 
 static float *velocities_of(PercaleSolver *solver, PercaleCloth cloth, uint32_t count)
 {
-    float *velocities = malloc(3 * (size_t)count * sizeof(float));
+    float *velocities = calloc(3 * (size_t)count + 1, sizeof(float));
+    ck_assert_ptr_nonnull(velocities);
     PERCALE_TEST_OK(solver, percale_cloth_get_velocities(solver, cloth, velocities, 0));
     return velocities;
 }
@@ -211,7 +213,8 @@ END_TEST
 
 START_TEST(a_patch_slides_above_it_as_coulomb_says)
 {
-    for (double degrees = FRICTION_ANGLE + 2.0; degrees < 60.0; degrees += 12.0) {
+    for (int i = 0; i < 4; i++) {
+        double degrees = FRICTION_ANGLE + 2.0 + 12.0 * i;
         double acceleration;
         double distance;
         slide(degrees, 0.4f, &acceleration, &distance);
