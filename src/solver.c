@@ -102,8 +102,8 @@ static PercaleResult check_numbers(const PercaleSolverDef *def, PercaleMessage *
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "damping %g is not >= 0",
                             (double)def->damping);
     }
-    if (!(def->speed_max > 0.0f) || !isfinite(def->speed_max)) {
-        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "speed_max %g is not > 0",
+    if (!(def->speed_max > 0.0f) || !(def->speed_max <= 1e6f)) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "speed_max %g is not in 0 .. 1e6",
                             (double)def->speed_max);
     }
     return PERCALE_OK;
@@ -140,7 +140,7 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
     } MISSING[] = {
         {def->edge_edge != 0, "edge-edge contact"},   {def->self_collision != 0, "cloth-cloth contact"},
         {def->untangle != 0, "untangling"},           {def->tethers != 0, "tethers"},
-        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"},
+        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"}, {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
     };
     for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
         if (MISSING[i].asked) {

@@ -65,7 +65,16 @@ static PercaleResult check_triangles(PercaleSolver *solver, const char *what, co
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "%s is empty: %u vertices, %u triangles", what, vertex_count, triangle_count);
     }
-    if (vertex_count > UINT32_MAX / 8 || triangle_count > UINT32_MAX / 8) {
+    uint64_t vertex_total = vertex_count;
+    uint64_t triangle_total = triangle_count;
+    for (size_t i = 0; i < solver->objects.cloth_count; i++) {
+        vertex_total += solver->objects.cloths[i].vertex_count;
+        triangle_total += solver->objects.cloths[i].triangle_count;
+    }
+    for (size_t i = 0; i < solver->objects.obstacle_count; i++) {
+        vertex_total += solver->objects.obstacles[i].vertex_count;
+    }
+    if (vertex_total > UINT32_MAX / 8 || triangle_total > UINT32_MAX / 8) { // all indices are 32-bit
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s is too large", what);
     }
     for (uint32_t t = 0; t < triangle_count; t++) {
@@ -85,10 +94,11 @@ static PercaleResult check_triangles(PercaleSolver *solver, const char *what, co
     return PERCALE_OK;
 }
 
-/// Lengths of all triangle sides in a shape of 2 or 3 floats a vertex; refuses triangles without area.
+/// Lengths of all triangle sides in a shape of 2 or 3 floats a vertex, and areas where asked for; refuses
+/// triangles without area.
 static PercaleResult measure_sides(PercaleSolver *solver, const char *what, const float *shape,
                                    uint32_t dimensions, const uint32_t *triangles, uint32_t triangle_count,
-                                   float *lengths)
+                                   float *lengths, double *areas)
 {
     for (uint32_t t = 0; t < triangle_count; t++) {
         Vec3 corner[3];
@@ -103,6 +113,9 @@ static PercaleResult measure_sides(PercaleSolver *solver, const char *what, cons
             lengths[3 * (size_t)t + (size_t)k] = (float)vlength(side);
         }
         Vec3 normal = vcross(vsub(corner[1], corner[0]), vsub(corner[2], corner[0]));
+        if (areas != NULL) {
+            areas[t] = 0.5 * vlength(normal);
+        }
         if (!(vdot(normal, normal) > FLATTEST * longest2 * longest2)) {
             return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s: triangle %u has no area", what,
                                 t);
@@ -130,6 +143,10 @@ static PercaleResult check_material(PercaleSolver *solver, const char *what, con
             return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s: %s %g is not %s 0", what,
                                 NUMBERS[i].name, (double)value, NUMBERS[i].positive ? ">" : ">=");
         }
+    }
+    if (material->density < 1e-6f || material->density > 1e6f) { // else inverse masses leave float32's range
+        return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s: density %g is not in 1e-6 .. 1e6",
+                            what, (double)material->density);
     }
     return PERCALE_OK;
 }
@@ -185,10 +202,11 @@ static bool allocate_cloth(PercaleClothObject *cloth, PercaleMemory *memory)
     cloth->positions = percale_memory_new(memory, 3 * (size_t)cloth->vertex_count, sizeof(float));
     cloth->velocities = percale_memory_new(memory, 3 * (size_t)cloth->vertex_count, sizeof(float));
     cloth->triangles = percale_memory_new(memory, 3 * (size_t)cloth->triangle_count, sizeof(uint32_t));
+    cloth->rest_areas = percale_memory_new(memory, cloth->triangle_count, sizeof(double));
     cloth->rest_lengths = percale_memory_new(memory, 3 * (size_t)cloth->triangle_count, sizeof(float));
     cloth->curve = percale_memory_new(memory, cloth->vertex_count, sizeof(uint32_t));
     return cloth->positions != NULL && cloth->velocities != NULL && cloth->triangles != NULL &&
-           cloth->rest_lengths != NULL && cloth->curve != NULL;
+           cloth->rest_lengths != NULL && cloth->rest_areas != NULL && cloth->curve != NULL;
 }
 
 /// Rest side lengths from the pattern, the rest positions or the start, whichever is given.
@@ -196,12 +214,19 @@ static PercaleResult read_rest_shape(PercaleSolver *solver, const PercaleClothDe
                                      PercaleClothObject *cloth)
 {
     if (def->rest_uvs != NULL) {
+        for (size_t i = 0; i < 2 * (size_t)def->vertex_count; i++) {
+            if (!(fabsf(def->rest_uvs[i]) <= FARTHEST)) {
+                return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
+                                    "%s: the rest UV of vertex %zu is not finite or too large", cloth->name,
+                                    i / 2);
+            }
+        }
         return measure_sides(solver, cloth->name, def->rest_uvs, 2, cloth->triangles, cloth->triangle_count,
-                             cloth->rest_lengths);
+                             cloth->rest_lengths, cloth->rest_areas);
     }
     if (def->rest_positions == NULL) {
         return measure_sides(solver, cloth->name, cloth->positions, 3, cloth->triangles,
-                             cloth->triangle_count, cloth->rest_lengths);
+                             cloth->triangle_count, cloth->rest_lengths, cloth->rest_areas);
     }
     float *rest = percale_memory_new(&solver->object_memory, 3 * (size_t)cloth->vertex_count, sizeof(float));
     if (rest == NULL) {
@@ -211,7 +236,7 @@ static PercaleResult read_rest_shape(PercaleSolver *solver, const PercaleClothDe
                                                       def->rest_stride, cloth->vertex_count, rest);
     if (result == PERCALE_OK) {
         result = measure_sides(solver, cloth->name, rest, 3, cloth->triangles, cloth->triangle_count,
-                               cloth->rest_lengths);
+                               cloth->rest_lengths, cloth->rest_areas);
     }
     percale_memory_free(&solver->object_memory, rest);
     return result;
@@ -320,7 +345,7 @@ PercaleResult percale_cloth_remove(PercaleSolver *solver, PercaleCloth cloth)
     return PERCALE_OK;
 }
 
-/// Copies one vector per vertex from the model, or from the object while there is no model.
+/// Copies one vector per vertex of the assembled model, in which sewn vertices agree.
 static PercaleResult copy_out(PercaleSolver *solver, PercaleCloth cloth, bool velocities, float *target,
                               size_t stride)
 {
@@ -332,15 +357,14 @@ static PercaleResult copy_out(PercaleSolver *solver, PercaleCloth cloth, bool ve
     if (check_array(solver, object->name, target, stride) != PERCALE_OK) {
         return percale_solver_logged(solver, PERCALE_INVALID_ARGUMENT);
     }
-    const float *stored = velocities ? object->velocities : object->positions;
-    const f32x4 *live = velocities ? solver->model.velocity : solver->model.position;
+    PercaleResult result = percale_solver_prepare(solver);
+    if (result != PERCALE_OK) {
+        return percale_solver_logged(solver, result);
+    }
+    const f32x4 *state = velocities ? solver->model.velocity : solver->model.position;
     for (size_t i = 0; i < object->vertex_count; i++) {
         char *to = (char *)target + i * (stride == 0 ? 3 * sizeof(float) : stride);
-        if (solver->assembled) {
-            memcpy(to, &live[solver->model.cloths[index].slots[i]], 3 * sizeof(float));
-        } else {
-            memcpy(to, stored + 3 * i, 3 * sizeof(float));
-        }
+        memcpy(to, &state[solver->model.cloths[index].slots[i]], 3 * sizeof(float));
     }
     return PERCALE_OK;
 }
@@ -499,7 +523,7 @@ static PercaleResult fill_obstacle(PercaleSolver *solver, const PercaleObstacleD
     float *lengths = percale_memory_new(memory, 3 * (size_t)def->triangle_count, sizeof(float));
     result = lengths == NULL ? percale_fail_memory(&solver->error)
                              : measure_sides(solver, obstacle->name, obstacle->base, 3, obstacle->triangles,
-                                             obstacle->triangle_count, lengths);
+                                             obstacle->triangle_count, lengths, NULL);
     percale_memory_free(memory, lengths);
     return result;
 }
@@ -544,7 +568,10 @@ static PercaleResult add_obstacle(PercaleSolver *solver, const PercaleObstacleDe
 PercaleResult percale_obstacle_add(PercaleSolver *solver, const PercaleObstacleDef *def,
                                    PercaleObstacle *obstacle)
 {
-    return percale_solver_logged(solver, add_obstacle(solver, def, obstacle));
+    uint32_t mode = float_mode_enter();
+    PercaleResult result = add_obstacle(solver, def, obstacle);
+    float_mode_leave(mode);
+    return percale_solver_logged(solver, result);
 }
 
 static size_t require_obstacle(PercaleSolver *solver, PercaleObstacle obstacle)
@@ -652,7 +679,9 @@ PercaleResult percale_obstacle_set_transform(PercaleSolver *solver, PercaleObsta
                                              const double rotation[4], const double translation[3])
 {
     size_t index = require_obstacle(solver, obstacle);
-    return percale_solver_logged(solver, index == SIZE_MAX
-                                             ? PERCALE_INVALID_HANDLE
-                                             : turn_obstacle(solver, index, rotation, translation));
+    uint32_t mode = float_mode_enter();
+    PercaleResult result =
+        index == SIZE_MAX ? PERCALE_INVALID_HANDLE : turn_obstacle(solver, index, rotation, translation);
+    float_mode_leave(mode);
+    return percale_solver_logged(solver, result);
 }

@@ -67,7 +67,7 @@ static PercaleResult predict(Substep *substep)
     };
     percale_predict_cloth(&stage);
     percale_predict_pins(&solver->model, solver->pin_from, solver->pin_to, (float)substep->fraction);
-    uint32_t bad = percale_advance_find_bad(&solver->model, solver->def.thread_count);
+    uint32_t bad = percale_advance_find_bad(&solver->model, substep->dt, solver->def.thread_count);
     end_stage(substep, PERCALE_STAGE_PREDICT);
     return bad == UINT32_MAX ? PERCALE_OK : name_bad_vertex(solver, bad);
 }
@@ -76,9 +76,8 @@ static PercaleResult predict(Substep *substep)
 
 static PercalePair pair_of(const PercaleSolver *solver, uint32_t obstacle)
 {
-    float between = (float)solver->def.substeps / (float)solver->def.passes;
-    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
-                         between > 1.0f ? between - 1.0f : 0.0f};
+    int between = (solver->def.substeps + solver->def.passes - 1) / solver->def.passes; // the longest wait
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], (float)(between - 1)};
 }
 
 /// Moves the obstacle to the end of the substep; its tree is still at the start.
@@ -106,7 +105,7 @@ static void move_obstacle(Substep *substep, uint32_t o)
 
 /// Finds the vertices that can touch the obstacle, at its start pose, then takes tree and rays to the end
 /// pose.
-static void find_active(Substep *substep, uint32_t o)
+static bool find_active(Substep *substep, uint32_t o)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
@@ -120,9 +119,10 @@ static void find_active(Substep *substep, uint32_t o)
         percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted,
                            solver->def.thread_count);
         if (solver->rays != NULL && solver->objects.obstacles[o].motion == MOTION_DEFORMING) {
-            percale_rays_refit(solver->rays, o);
+            return percale_rays_refit(solver->rays, o);
         }
     }
+    return true;
 }
 
 /// Nothing has been seen yet in this substep.
@@ -160,10 +160,14 @@ static PercaleResult detect_obstacles(Substep *substep)
     bool complete = true;
     for (uint32_t o = 0; complete && o < solver->model.obstacle_count; o++) {
         move_obstacle(substep, o);
-        if (solver->def.vertex_face) {
-            find_active(substep, o);
-            complete = begin_sightings(solver, &solver->proximities[o]) && cast_paths(substep, o);
+        if (!solver->def.vertex_face) {
+            continue;
         }
+        if (!find_active(substep, o)) {
+            return percale_fail(&solver->error, PERCALE_DEVICE_ERROR, "Embree can't refit obstacle '%s'",
+                                solver->objects.obstacles[o].name);
+        }
+        complete = begin_sightings(solver, &solver->proximities[o]) && cast_paths(substep, o);
     }
     end_stage(substep, PERCALE_STAGE_DETECT);
     return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
@@ -214,13 +218,16 @@ static PercaleResult color(Substep *substep)
     };
     bool complete = percale_coloring_run(&solver->contact_coloring, &solver->color_memory, &constraints,
                                          solver->model.predicted, solver->model.point_count);
+    if (!complete) {
+        return percale_fail_memory(&solver->error);
+    }
     solver->contacts = percale_batches_of(&solver->contact_coloring);
     if (solver->contacts.color_count > solver->counters.colors_max) {
         solver->counters.colors_max = solver->contacts.color_count;
     }
     solver->counters.overflow += count - solver->contacts.first[solver->contacts.color_count];
     end_stage(substep, PERCALE_STAGE_COLOR);
-    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+    return PERCALE_OK;
 }
 
 // ---- solve ----
@@ -278,7 +285,7 @@ static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
-    uint32_t bad = percale_advance_find_bad(model, solver->def.thread_count);
+    uint32_t bad = percale_advance_find_bad(model, substep->dt, solver->def.thread_count);
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
@@ -300,6 +307,10 @@ static PercaleResult finish(Substep *substep)
         solver->counters.left_inside += counts.left_inside;
         solver->counters.truncated += counts.truncated;
         solver->counters.detections += counts.searches;
+    }
+    bad = percale_advance_find_bad(model, substep->dt, solver->def.thread_count);
+    if (bad != UINT32_MAX) {
+        return name_bad_vertex(solver, bad);
     }
     percale_advance_commit(model, substep->dt, solver->def.thread_count);
     end_stage(substep, PERCALE_STAGE_FINISH);
@@ -345,7 +356,7 @@ static PercaleResult run_substep(Substep *substep)
     return result == PERCALE_OK ? finish(substep) : result;
 }
 
-/// Pins go from where their vertices are to their targets; the objects' targets become the next step's start.
+/// Pins go from where their vertices are to their targets.
 static void begin_pins(PercaleSolver *solver)
 {
     const PercaleModel *model = &solver->model;

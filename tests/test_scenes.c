@@ -350,7 +350,7 @@ START_TEST(own_values_beat_the_settings)
         "\"thickness\": 0.004, \"mask\": 6, \"layer\": -2 }, { \"name\": \"b\", \"obj\": "
         "\"square.obj\", \"translate\": [0, 0, 1] } ], \"obstacles\": [ { \"obj\": \"square.obj\", "
         "\"translate\": [0, 0, -1] } ], \"settings\": { \"thickness\": 0.003, \"ee\": \"off\", "
-        "\"reuse\": \"always\", \"bending\": false, \"gravity\": [0, -1, 0] } }");
+        "\"reuse\": \"auto\", \"bending\": false, \"gravity\": [0, -1, 0] } }");
     set(scene, "thickness", "0.005");
     PercaleSolver *solver = build_scene(scene);
     expect_float(percale_scene_cloth(scene, 0).thickness, 0.004);

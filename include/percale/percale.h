@@ -1,5 +1,7 @@
 // percale.h: the functions of percale, fast and collision-true cloth on CPU cores.
 //
+// Pointers are never NULL unless a comment allows it.
+//
 // Create a solver, add cloths, obstacles, pins and seams, call percale_solver_step once per frame and read
 // the positions back. Nothing here prints, exits or keeps global state; different solvers may be used from
 // different host threads at the same time, one solver from one thread at a time. The host's OpenMP settings
@@ -40,13 +42,14 @@ PERCALE_API PercaleIsa percale_solver_isa(const PercaleSolver *solver); ///< the
 PERCALE_API PercaleResult percale_solver_quality(PercaleSolver *solver, PercaleQuality *quality);
 
 /// 64-bit digest over positions and velocities of all cloths in the caller's order: equal for any thread
-/// count, compiler and instruction set.
+/// count, compiler and instruction set (on the same C library: exp and atan2 take part).
 PERCALE_API uint64_t percale_solver_hash(PercaleSolver *solver);
 
-/// Checks every internal array (indices, order, colours, masses); the first violation is named in last_error.
+/// Checks the assembled model: finite points, masses, slots, indices and colours of the cloth's constraints;
+/// the first violation is named in last_error.
 PERCALE_API PercaleResult percale_solver_validate(PercaleSolver *solver);
 
-/// Text of the last failed call on this solver, "" if none; valid until the next call.
+/// Text of the last failed call on this solver, "" if the last step was good; valid until the next call.
 PERCALE_API const char *percale_solver_last_error(const PercaleSolver *solver);
 
 // ---- cloth ----

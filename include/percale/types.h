@@ -68,7 +68,7 @@ typedef enum PercaleCcd {
 /// When contact candidates are found anew.
 typedef enum PercaleReuse {
     PERCALE_REUSE_AUTO = 0, ///< while the bound on the relative motion holds, they are kept
-    PERCALE_REUSE_ALWAYS    ///< never kept: every collision pass detects
+    PERCALE_REUSE_ALWAYS    ///< never kept: every collision pass detects (not in this version)
 } PercaleReuse;
 
 typedef enum PercaleIsa {
@@ -80,7 +80,8 @@ typedef enum PercaleIsa {
 
 typedef struct PercaleSolverDef {
     uint32_t size;    ///< sizeof(PercaleSolverDef), set by the default function and checked
-    double origin[3]; ///< m; the world position of the solver's (0, 0, 0)
+    double origin[3]; ///< m; the world position of the solver's (0, 0, 0): for the host, positions are
+                      ///< relative to it
     float gravity[3]; ///< m/s^2
     float wind[3];    ///< m/s; velocity of the air; (0, 0, 0) means no air at all
     float damping;    ///< 1/s; velocities decay as exp(-damping t)
@@ -100,6 +101,7 @@ typedef struct PercaleSolverDef {
     int bending;             ///< 1: cloth resists bending
     PercaleLogFunction *log; ///< one line per error or warning, without a newline; NULL: silent
     void *log_user;
+    /// May be called from the solver's worker threads: it has to be thread-safe. Memory is aligned as asked.
     PercaleAllocateFunction *allocate; ///< NULL: the C library's; both or none
     PercaleReleaseFunction *release;
     void *allocator_user;
@@ -109,8 +111,9 @@ typedef struct PercaleMaterial {
     float density;            ///< kg/m^2, > 0
     float stretch_compliance; ///< m/N, >= 0, along each edge; 0 is inextensible
     float bending_stiffness;  ///< N m, >= 0; flexural rigidity
-    float thickness;          ///< m; distance kept between two surfaces; 0: a fifth of the median rest edge
-    float friction;           ///< Coulomb coefficient, >= 0; a pair takes the geometric mean
+    float thickness; ///< m; distance kept between two surfaces; 0: a fifth of the median rest edge (in
+                     ///< percale_cloth_set_material: as before)
+    float friction;  ///< Coulomb coefficient, >= 0; a pair takes the geometric mean
 } PercaleMaterial;
 
 typedef struct PercaleClothDef {
@@ -127,7 +130,7 @@ typedef struct PercaleClothDef {
     const float *velocities; ///< m/s; NULL: at rest
     size_t velocity_stride;
     PercaleMaterial material;
-    int32_t layer; ///< order from the body outwards
+    int32_t layer; ///< order from the body outwards; kept for the contact between cloths of a later version
     uint32_t mask; ///< two objects collide when their masks share a bit
 } PercaleClothDef;
 
@@ -164,7 +167,7 @@ typedef struct PercaleSeamDef {
     uint32_t pair_count;
 } PercaleSeamDef;
 
-/// Zero-copy view of the state in solver order, valid until the next add, remove or step.
+/// Zero-copy view of the state in solver order, valid until the next call that changes the solver.
 typedef struct PercaleClothView {
     const float *positions;  ///< [4 * slot]: x, y, z (m, relative to origin), inverse mass (1/kg)
     const float *velocities; ///< [4 * slot]: x, y, z (m/s), unused
@@ -211,7 +214,8 @@ typedef struct PercaleProfile {
     X(overflow)             \
     X(last_crossed_frame)
 
-/// Work done since the solver was created (colors_max: the most ever; last_crossed_frame: a frame's number).
+/// Work done since the solver was created. colors_max: the most colours that contacts needed; overflow:
+/// contacts that fitted into none; counters of features that this version does not have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;
     PERCALE_COUNTERS(PERCALE_COUNTER_FIELD)

@@ -2,6 +2,7 @@
 
 #include "audit/audit.h"
 
+#include <fenv.h>
 #include <math.h>
 
 static const double MILLIMETRES = 1e3; // per metre
@@ -143,6 +144,9 @@ PercaleResult percale_audit_with(PercaleAuditMemory memory, const PercaleAuditMe
 {
     PercaleAuditScene scene = {.memory = memory, .cloths = cloths, .cloth_count = cloth_count};
     PercaleQuality judged = {.nonfinite = 0.0};
+    fenv_t host; // the exact signs need round-to-nearest and denormals, whatever the host has set
+    fegetenv(&host);
+    fesetenv(FE_DFL_ENV);
     bool has_memory = scene_open(&scene) && judge_cloths(&scene, &judged);
     for (uint32_t obstacle = 0; has_memory && obstacle < obstacle_count; obstacle++)
         has_memory = judge_obstacle(&scene, &obstacles[obstacle], &judged);
@@ -151,6 +155,7 @@ PercaleResult percale_audit_with(PercaleAuditMemory memory, const PercaleAuditMe
         *quality = judged;
     }
     scene_close(&scene);
+    fesetenv(&host);
     return has_memory ? PERCALE_OK : PERCALE_OUT_OF_MEMORY;
 }
 
@@ -167,6 +172,9 @@ PercaleResult percale_audit_penetration_with(PercaleAuditMemory memory, const Pe
                                              float *depths)
 {
     PercaleAuditScene scene = {.memory = memory, .cloths = cloth, .cloth_count = 1};
+    fenv_t host;
+    fegetenv(&host);
+    fesetenv(FE_DFL_ENV);
     bool has_memory = scene_open(&scene);
     for (uint32_t obstacle = 0; has_memory && obstacle < obstacle_count; obstacle++) {
         PercaleAuditSurface surface = {.mesh = NULL};
@@ -179,6 +187,7 @@ PercaleResult percale_audit_penetration_with(PercaleAuditMemory memory, const Pe
     for (uint32_t vertex = 0; has_memory && vertex < cloth->vertex_count; vertex++)
         depths[vertex] = (float)scene.depths[vertex];
     scene_close(&scene);
+    fesetenv(&host);
     return has_memory ? PERCALE_OK : PERCALE_OUT_OF_MEMORY;
 }
 

@@ -25,7 +25,7 @@ static inline uint32_t float_mode_enter(void)
 {
 #if defined(__SSE__)
     uint32_t mode = _mm_getcsr();
-    _mm_setcsr((mode & ~0x6000u) | 0x8040u); // FTZ, DAZ, round to nearest
+    _mm_setcsr((mode & ~0x6000u) | 0x9fc0u); // FTZ, DAZ, round to nearest, no traps
     return mode;
 #else
     return 0;

@@ -38,12 +38,6 @@ static inline f32x8 max8(f32x8 a, f32x8 b)
     return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
 }
 
-static inline f32x8 min8(f32x8 a, f32x8 b)
-{
-    i32x8 mask = a < b;
-    return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
-}
-
 /// One bit per lane of a comparison's result.
 static inline uint32_t lane_bits(i32x8 mask)
 {

@@ -30,6 +30,11 @@ typedef struct Visitor {
     bool in_front; // it came from the surface's outer side
 } Visitor;
 
+static bool has_crossed(const PercaleContactStage *stage, uint32_t index)
+{
+    return stage->crossings != NULL && stage->crossings[index].triangle != NO_TRIANGLE;
+}
+
 static Visitor visit(const PercaleContactStage *stage, uint32_t index)
 {
     const PercaleModel *model = stage->pair->model;
@@ -40,7 +45,7 @@ static Visitor visit(const PercaleContactStage *stage, uint32_t index)
     float risen = distance + EXIT_SPEED * stage->dt;
     Visitor visitor = {slot, vec3_of(model->predicted[slot]), risen < thickness ? risen : thickness,
                        pair_reach(stage->pair, slot, motion), stage->proximity->side[slot] > 0};
-    if (stage->crossings != NULL && stage->crossings[index].triangle != NO_TRIANGLE) {
+    if (has_crossed(stage, index)) {
         const PercaleCrossing *crossing = &stage->crossings[index];
         Vec3 normal = percale_surface_face_normal(stage->surface, crossing->triangle);
         Vec3 impact = percale_surface_point(stage->surface, crossing->triangle, crossing->weights);
@@ -158,7 +163,7 @@ static bool add_features_in_front(const PercaleContactStage *stage, const Visito
 static void remember(const PercaleContactStage *stage, uint32_t index, const PercaleNearest *nearest,
                      int side)
 {
-    if (stage->crossings == NULL || stage->crossings[index].triangle == NO_TRIANGLE) {
+    if (!has_crossed(stage, index)) {
         uint32_t slot = stage->proximity->active[index];
         float distance = (float)sqrt(nearest->closest.distance2);
         stage->proximity->sightings[index] = (PercaleSighting){
@@ -199,11 +204,6 @@ static bool add_contacts(const PercaleContactStage *stage, uint32_t index, Perca
 }
 
 // ---- all vertices ----
-
-static bool has_crossed(const PercaleContactStage *stage, uint32_t index)
-{
-    return stage->crossings != NULL && stage->crossings[index].triangle != NO_TRIANGLE;
-}
 
 /// Appends the threads' lists in thread order, which is vertex order.
 static bool merge(PercaleContactScratch *scratch, int thread_count, PercaleMemory *memory,

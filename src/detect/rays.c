@@ -110,12 +110,13 @@ void percale_rays_destroy(PercaleRays *rays, PercaleMemory *memory)
     percale_memory_free(memory, rays);
 }
 
-void percale_rays_refit(PercaleRays *rays, uint32_t obstacle)
+bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle)
 {
     RayScene *target = &rays->scenes[obstacle];
     rtcUpdateGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(target->geometry);
     rtcCommitScene(target->scene);
+    return rtcGetDeviceError(rays->device) == RTC_ERROR_NONE;
 }
 
 /// Debian's Embree aborts on components that are not finite or above 1.8e18.

@@ -24,8 +24,9 @@ PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *obje
                                   PercaleMessage *message);
 void percale_rays_destroy(PercaleRays *rays, PercaleMemory *memory); ///< NULL is allowed
 
-/// Takes over the points of a deforming obstacle; the others need no update.
-void percale_rays_refit(PercaleRays *rays, uint32_t obstacle);
+/// Takes over the points of a deforming obstacle; the others need no update. False when Embree reports an
+/// error.
+bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle);
 
 /// from, to: [count] path ends in the obstacle's scene space (own space for rigid ones); paths with a
 /// non-finite end are not cast. flags: [count] 1 where Embree finds the surface on the path.

@@ -1,5 +1,7 @@
 #include "detect/surface.h"
 
+#include <float.h>
+
 // Boxes are float32; a box is skipped only when it is farther than this share beyond the radius.
 static const float BOX_SLACK = 1e-5f;
 
@@ -45,7 +47,8 @@ static double rounding_of(Vec3 point, f32x4 at)
 static float box_limit(double distance2, double rounding)
 {
     double distance = rounding > 0.0 ? sqrt(distance2) + rounding : 0.0;
-    return (float)(rounding > 0.0 ? distance * distance : distance2) * (1.0f + BOX_SLACK);
+    double limit = (rounding > 0.0 ? distance * distance : distance2) * (1.0 + (double)BOX_SLACK);
+    return limit < (double)FLT_MAX ? (float)limit : FLT_MAX; // an absent child is infinitely far
 }
 
 /// Pushes the children within the limit, the farthest first, so that the nearest is popped next.

@@ -7,14 +7,23 @@ static bool is_finite3(f32x4 x)
     return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
 }
 
-uint32_t percale_advance_find_bad(const PercaleModel *model, int thread_count)
+/// v* + (x - (x0 + dt v*)) / dt; see advance.h.
+static f32x4 velocity_of(const PercaleModel *model, uint32_t slot, float dt)
+{
+    f32x4 v = model->free_velocity[slot];
+    f32x4 pushed = model->predicted[slot] - (model->start[slot] + v * dt);
+    return with_w(v + pushed / dt, 0.0f);
+}
+
+uint32_t percale_advance_find_bad(const PercaleModel *model, float dt, int thread_count)
 {
     uint32_t first = UINT32_MAX;
-#pragma omp parallel for default(none) shared(model) reduction(min      \
-                                                               : first) \
+#pragma omp parallel for default(none) shared(model, dt) reduction(min      \
+                                                                   : first) \
     num_threads(threads_for(model->slot_count, thread_count)) schedule(static)
     for (uint32_t slot = 0; slot < model->slot_count; slot++) {
-        if (!is_finite3(model->predicted[slot]) && slot < first) {
+        bool good = is_finite3(model->predicted[slot]) && is_finite3(velocity_of(model, slot, dt));
+        if (!good && slot < first) {
             first = slot;
         }
     }
@@ -30,9 +39,7 @@ void percale_advance_commit(PercaleModel *model, float dt, int thread_count)
 #pragma omp for schedule(static)
         for (uint32_t point = 0; point < model->point_count; point++) {
             if (point < model->slot_count) {
-                f32x4 v = model->free_velocity[point];
-                f32x4 pushed = model->predicted[point] - (model->start[point] + v * dt);
-                model->velocity[point] = with_w(v + pushed / dt, 0.0f);
+                model->velocity[point] = velocity_of(model, point, dt);
             }
             model->position[point] = model->predicted[point];
             model->start[point] = model->predicted[point];

@@ -171,7 +171,9 @@ static void spend_clearance(const PercaleGuardStage *stage, uint32_t slot)
     PercaleProximity *proximity = stage->proximity;
     float motion = motion_of(stage, slot);
     if (motion > 0.0f) {
-        proximity->clearance[slot] -= motion;
+        // the last factor keeps a bound a bound: of a hundred metres float32 could not take small motions
+        // away
+        proximity->clearance[slot] = (proximity->clearance[slot] - motion) * (1.0f - 1e-6f);
         proximity->side[slot] = 0;
     }
 }

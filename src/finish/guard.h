@@ -7,6 +7,8 @@
 //        substep
 //
 // A vertex that has crossed the surface, by its path or by its end, is put back before it, at a small gap.
+// Where two obstacles leave no room it may come to lie in an earlier one: that one finds it, and counts it,
+// in the next substep.
 
 #ifndef PERCALE_GUARD_H
 #define PERCALE_GUARD_H

@@ -104,26 +104,6 @@ static bool number_slots(PercaleModel *model, const PercaleObjects *objects, Wel
     return complete;
 }
 
-/// Twice the area of a triangle from its side lengths (Kahan's stable form of Heron's formula), m^2.
-static double twice_area(const float lengths[3])
-{
-    double a = (double)lengths[0];
-    double b = (double)lengths[1];
-    double c = (double)lengths[2];
-    double swap;
-    if (a < b) {
-        swap = a, a = b, b = swap;
-    }
-    if (b < c) {
-        swap = b, b = c, c = swap;
-    }
-    if (a < b) {
-        swap = a, a = b, b = swap;
-    }
-    double s = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
-    return s > 0.0 ? 0.5 * sqrt(s) : 0.0;
-}
-
 /// Adds a third of a triangle to its corner's slot: mass, mass x position, mass x velocity.
 static void add_share(double sums[7], double mass, const float *position, const float *velocity)
 {
@@ -140,7 +120,7 @@ static void gather_triangles(PercaleModel *model, const PercaleObjects *objects,
     for (uint32_t c = 0, triangle = 0; c < model->cloth_count; c++) {
         const PercaleClothObject *object = &objects->cloths[c];
         for (uint32_t t = 0; t < object->triangle_count; t++, triangle++) {
-            double area = 0.5 * twice_area(object->rest_lengths + 3 * (size_t)t);
+            double area = object->rest_areas[t];
             model->triangle_areas[triangle] = (float)area;
             for (uint32_t k = 0; k < 3; k++) {
                 uint32_t vertex = object->triangles[3 * (size_t)t + k];

@@ -3,8 +3,8 @@
 //   in   objects (the caller's order)
 //   out  one array of points (cloth first, then obstacles), edges, hinges, open seams, obstacle meshes
 //
-// It is assembled anew after an object was added or removed and when a seam has closed. Cloth vertices are
-// renumbered along a space-filling curve; sewn vertices share one slot.
+// It is assembled anew when an object was added, removed or changed, when a seam has closed and after a
+// failed step. Cloth vertices are renumbered along a space-filling curve; sewn vertices share one slot.
 
 #ifndef PERCALE_MODEL_H
 #define PERCALE_MODEL_H

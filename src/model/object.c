@@ -6,6 +6,7 @@ void percale_cloth_object_free(PercaleClothObject *cloth, PercaleMemory *memory)
     percale_memory_free(memory, cloth->velocities);
     percale_memory_free(memory, cloth->triangles);
     percale_memory_free(memory, cloth->rest_lengths);
+    percale_memory_free(memory, cloth->rest_areas);
     percale_memory_free(memory, cloth->curve);
 }
 

@@ -14,11 +14,12 @@ typedef struct PercaleClothObject {
     uint32_t id;
     char name[NAME_SIZE];
     uint32_t vertex_count, triangle_count;
-    float *positions;         // [3 * vertex_count] m; of the last time when no model held them
-    float *velocities;        // [3 * vertex_count] m/s
-    uint32_t *triangles;      // [3 * triangle_count]
-    float *rest_lengths;      // [3 * triangle_count] m; edge from corner k to corner k + 1
-    uint32_t *curve;          // [vertex_count] the vertices along a space-filling curve
+    float *positions;    // [3 * vertex_count] m; of the last time when no model held them
+    float *velocities;   // [3 * vertex_count] m/s
+    uint32_t *triangles; // [3 * triangle_count]
+    float *rest_lengths; // [3 * triangle_count] m; edge from corner k to corner k + 1
+    double *rest_areas; // [triangle_count] m^2; from the shape itself: lengths in float32 lose thin triangles
+    uint32_t *curve;    // [vertex_count] the vertices along a space-filling curve
     PercaleMaterial material; // thickness resolved
     int32_t layer;
     uint32_t mask;

@@ -1,6 +1,6 @@
 // predict.h: moves every cloth vertex to where it would go if nothing were in its way.
 //
-//   in   position, velocity; rest areas for the wind
+//   in   position, velocity; triangles for the wind
 //   out  start (a copy of position), free velocity, predicted
 //
 //     v = clamp((v + dt (g + wind)) * exp(-damping dt)),   x* = x + dt v          (symplectic Euler)

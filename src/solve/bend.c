@@ -22,9 +22,9 @@ void percale_solve_bend(const PercaleSolveArrays *arrays, uint32_t begin, uint32
         if (arrays->hinge_multipliers != NULL) {
             arrays->hinge_multipliers[h] = multiplier + change;
         }
-        arrays->x[v[0]] = x0 + change * (c[0] * x0[3]);
-        arrays->x[v[1]] = x1 + change * (c[1] * x1[3]);
-        arrays->x[v[2]] = x2 + change * (c[2] * x2[3]);
-        arrays->x[v[3]] = x3 + change * (c[3] * x3[3]);
+        move_point(&arrays->x[v[0]], x0, change, c[0] * x0[3]);
+        move_point(&arrays->x[v[1]], x1, change, c[1] * x1[3]);
+        move_point(&arrays->x[v[2]], x2, change, c[2] * x2[3]);
+        move_point(&arrays->x[v[3]], x3, change, c[3] * x3[3]);
     }
 }

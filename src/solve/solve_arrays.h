@@ -15,12 +15,21 @@ typedef struct PercaleSolveArrays {
     f32x4 *x;                  // predicted points
     const f32x4 *start;        // where they were when the substep began
     float dt;                  // s
-    float *edge_multipliers;   // [edge_count] N s^2; NULL when one sweep, or no compliance, needs none
+    float *edge_multipliers;   // [edge_count] N s^2; NULL when no edge has a compliance
     f32x4 *hinge_multipliers;  // [hinge_count]; NULL when one sweep needs none
     const float *seam_targets; // [open_seam_count] m, gap that an open seam is pulled to in this substep
     PercaleStencil *stencils;
     const uint32_t *stencil_order; // by colour
 } PercaleSolveArrays;
+
+/// Writes before + share * push. A point that can't move is not even written: constraints of one colour may
+/// share it.
+static inline void move_point(f32x4 *point, f32x4 before, f32x4 push, float share)
+{
+    if (share != 0.0f) {
+        *point = before + push * share;
+    }
+}
 
 /// Every kernel projects the constraints [begin, end) of its kind, which share no movable vertex unless they
 /// run on one thread.

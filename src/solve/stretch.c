@@ -23,7 +23,7 @@ void percale_solve_stretch(const PercaleSolveArrays *arrays, uint32_t begin, uin
             arrays->edge_multipliers[e] = multiplier + change;
         }
         f32x4 push = between * (change / length);
-        *a = xa + push * xa[3];
-        *b = xb - push * xb[3];
+        move_point(a, xa, push, xa[3]);
+        move_point(b, xb, push, -xb[3]);
     }
 }
