@@ -211,26 +211,27 @@ static bool merge(PercaleContactScratch *scratch, int thread_count, PercaleMemor
 {
     size_t total = list->count;
     for (int t = 0; t < thread_count; t++) {
-        total += scratch->stencils[t].count;
+        total += scratch->threads[t].stencils.count;
     }
     if (!percale_memory_reserve(memory, &list->items, &list->capacity, total, sizeof(list->items[0]))) {
         return false;
     }
     for (int t = 0; t < thread_count; t++) {
-        if (scratch->stencils[t].count > 0) {
-            memcpy(list->items + list->count, scratch->stencils[t].items,
-                   scratch->stencils[t].count * sizeof(list->items[0]));
+        if (scratch->threads[t].stencils.count > 0) {
+            memcpy(list->items + list->count, scratch->threads[t].stencils.items,
+                   scratch->threads[t].stencils.count * sizeof(list->items[0]));
         }
-        list->count += scratch->stencils[t].count;
+        list->count += scratch->threads[t].stencils.count;
     }
     return true;
 }
 
+enum { SHARES_PER_THREAD = 8 }; // contact is dense here and sparse there
+
 /// The share of one list: vertices are divided by the number of lists, not by the team, which the host may
 /// make smaller.
 typedef struct Share {
-    PercaleFeatureList *features;
-    PercaleStencilList *stencils;
+    _Alignas(64) PercaleContactThread *thread;
     PercaleMemory memory;
     uint64_t first, end; // indices of active vertices
     uint64_t candidates;
@@ -239,11 +240,11 @@ typedef struct Share {
 
 static void find_share(const PercaleContactStage *stage, Share *share)
 {
-    share->stencils->count = 0;
+    share->thread->stencils.count = 0;
     for (uint64_t i = share->first; share->complete && i < share->end; i++) {
         if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
-            share->complete = add_contacts(stage, (uint32_t)i, share->features, &share->memory,
-                                           share->stencils, &share->candidates);
+            share->complete = add_contacts(stage, (uint32_t)i, &share->thread->features, &share->memory,
+                                           &share->thread->stencils, &share->candidates);
         }
     }
 }
@@ -253,21 +254,22 @@ bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScrat
 {
     uint64_t active_count = stage->proximity->active_count;
     uint64_t work = active_count * 16; // a vertex is some 16 small items
-    int share_count = threads_for(work, stage->thread_count);
+    int thread_count = threads_for(work, stage->thread_count);
+    int share_count = thread_count > 1 ? SHARES_PER_THREAD * thread_count : 1;
+    share_count = share_count < PERCALE_MAX_THREADS ? share_count : PERCALE_MAX_THREADS;
     Share shares[PERCALE_MAX_THREADS];
     for (int t = 0; t < share_count; t++) {
-        shares[t] = (Share){&scratch->features[t],
-                            &scratch->stencils[t],
+        shares[t] = (Share){&scratch->threads[t],
                             {memory->allocator, 0},
                             active_count * (uint64_t)t / (uint64_t)share_count,
                             active_count * ((uint64_t)t + 1) / (uint64_t)share_count,
                             0,
                             true};
     }
-#pragma omp parallel default(none) shared(stage, shares, share_count) num_threads(share_count)
+#pragma omp parallel default(none) shared(stage, shares, share_count) num_threads(thread_count)
     {
         uint32_t mode = float_mode_enter();
-#pragma omp for schedule(static, 1)
+#pragma omp for schedule(dynamic, 1)
         for (int t = 0; t < share_count; t++) {
             find_share(stage, &shares[t]);
         }
@@ -285,9 +287,9 @@ bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScrat
 void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory)
 {
     for (int t = 0; t < PERCALE_MAX_THREADS; t++) {
-        percale_memory_free(memory, scratch->features[t].items);
-        percale_memory_free(memory, scratch->stencils[t].items);
-        scratch->features[t] = (PercaleFeatureList){0};
-        scratch->stencils[t] = (PercaleStencilList){0};
+        percale_memory_free(memory, scratch->threads[t].features.items);
+        percale_memory_free(memory, scratch->threads[t].stencils.items);
+        scratch->threads[t].features = (PercaleFeatureList){0};
+        scratch->threads[t].stencils = (PercaleStencilList){0};
     }
 }

@@ -37,10 +37,15 @@ typedef struct PercaleContactStage {
     int thread_count;
 } PercaleContactStage;
 
-/// Per-thread scratch that is kept between calls.
+/// One thread's scratch, kept between calls; on cache lines of its own, for its counts change with every
+/// feature.
+typedef struct PercaleContactThread {
+    _Alignas(64) PercaleFeatureList features;
+    PercaleStencilList stencils;
+} PercaleContactThread;
+
 typedef struct PercaleContactScratch {
-    PercaleFeatureList features[PERCALE_MAX_THREADS];
-    PercaleStencilList stencils[PERCALE_MAX_THREADS];
+    PercaleContactThread threads[PERCALE_MAX_THREADS];
 } PercaleContactScratch;
 
 /// Appends to `list`; adds the triangles looked at to *candidate_count. False without memory.
