@@ -12,7 +12,8 @@
 #include "percale/percale.h"
 
 struct PercaleSolver {
-    PercaleSolverDef def; // passes resolved, isa resolved
+    PercaleContactScratch contact_scratch; // first: its parts are aligned to cache lines
+    PercaleSolverDef def;                  // passes resolved, isa resolved
     PercaleAllocator allocator;
     PercaleMemory object_memory, model_memory, detect_memory, color_memory, solve_memory;
     PercaleArena arena; // per substep
@@ -30,7 +31,6 @@ struct PercaleSolver {
     PercaleFrame *frames;          // [obstacle_count] of the running substep
     PercaleCrossing **crossings;   // [obstacle_count] arrays in the arena; NULL without CCD
     PercaleRays *rays;             // NULL without CCD or obstacles
-    PercaleContactScratch contact_scratch;
     PercaleStencilList stencils;
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
                                // them
