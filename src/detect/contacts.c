@@ -193,10 +193,10 @@ static bool add_contacts(const PercaleContactStage *stage, uint32_t index, Perca
     if (side > 0) {
         return add_features_in_front(stage, &visitor, features, &nearest, memory, output);
     }
-    bool crossed = stage->crossings != NULL && stage->crossings[index].triangle != NO_TRIANGLE;
-    if (!closed && (percale_surface_on_rim(stage->surface, nearest.triangle, nearest.closest.region) ||
-                    (!crossed && !has_slipped_through(stage->pair, stage->proximity, visitor.slot,
-                                                      sqrt(nearest.closest.distance2))))) {
+    if (!closed &&
+        (percale_surface_on_rim(stage->surface, nearest.triangle, nearest.closest.region) ||
+         (!has_crossed(stage, index) && !has_slipped_through(stage->pair, stage->proximity, visitor.slot,
+                                                             sqrt(nearest.closest.distance2))))) {
         return true; // it went around the rim
     }
     PercaleFeature feature = {nearest.triangle, nearest.closest};

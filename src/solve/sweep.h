@@ -3,9 +3,10 @@
 //   in   solve arrays, colour batches
 //   out  predicted positions
 //
-// A sweep is bending once, stretch STRETCH_ROUNDS times, open seams, contacts. Stretch is a tenth of a step's
-// time where contact is looked for, and its error the largest: on `dress` (20,000 vertices, 20 x 1, frame 30)
-// 1, 3 and 4 rounds give a 99th percentile of 31, 10.5 and 8.7 % at 197, 225 and 243 ms a frame.
+// A sweep is bending once, stretch STRETCH_ROUNDS times, open seams, contacts. Stretch is a small part of a
+// step's time where contact is looked for, and its error the largest: on `dress` (20,000 vertices, 20 x 1, 2
+// threads, interleaved beside another process) 1, 3 and 4 rounds leave a 99th percentile of 27, 10.5 and 8.7
+// % at frame 30, for 260, 305 and 336 ms a frame.
 //
 // One parallel region for all sweeps; within a colour each thread takes a contiguous share. Internal
 // constraints come first and contacts last, so that they win.
