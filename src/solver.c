@@ -226,6 +226,9 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_objects_free(&solver->objects, &solver->object_memory);
     percale_contacts_free(&solver->contact_scratch, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
+    percale_batches_free(&solver->edges, &solver->color_memory);
+    percale_batches_free(&solver->hinges, &solver->color_memory);
+    percale_batches_free(&solver->contacts, &solver->color_memory);
     percale_coloring_free(&solver->static_coloring, &solver->color_memory);
     percale_coloring_free(&solver->contact_coloring, &solver->color_memory);
     percale_arena_free(&solver->arena);
@@ -250,6 +253,8 @@ static void drop_model(PercaleSolver *solver)
     percale_memory_free(solve, solver->pin_to);
     percale_memory_free(solve, solver->edge_multipliers);
     percale_memory_free(solve, solver->hinge_multipliers);
+    percale_memory_free(solve, solver->bend_weights);
+    percale_memory_free(solve, solver->bend_relaxations);
     percale_memory_free(solve, solver->seam_targets);
     solver->rays = NULL;
     solver->proximities = NULL;
@@ -258,6 +263,9 @@ static void drop_model(PercaleSolver *solver)
     solver->pin_from = solver->pin_to = NULL;
     solver->edge_multipliers = NULL;
     solver->hinge_multipliers = NULL;
+    solver->bend_weights = NULL;
+    solver->bend_relaxations = NULL;
+    solver->bend_dt = 0.0f;
     solver->seam_targets = NULL;
     percale_model_free(&solver->model, &solver->model_memory);
     solver->stencils.count = 0;
@@ -278,15 +286,17 @@ static void place_obstacles(PercaleSolver *solver)
 {
     PercaleModel *model = &solver->model;
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        (void)percale_motion_apply(model, o, &solver->objects.obstacles[o], 0.0, solver->def.thread_count);
+        (void)percale_motion_apply(model, o, &solver->objects.obstacles[o], 0.0, percale_team_alone());
         for (uint32_t i = 0; i < model->obstacles[o].vertex_count; i++) {
             uint32_t point = model->obstacles[o].first_point + i;
-            model->position[point] = model->start[point] = model->predicted[point];
+            model->position[point] = model->predicted[point];
         }
     }
-    memcpy(model->start, model->position, model->slot_count * sizeof(f32x4));
     memcpy(model->predicted, model->position, model->slot_count * sizeof(f32x4));
 }
+
+/// Points of a tile: with the constraints that it holds they fit into a core's cache, see bench/README.md.
+enum { TILE_POINTS = 1024 };
 
 static bool batch_constraints(PercaleSolver *solver)
 {
@@ -294,8 +304,10 @@ static bool batch_constraints(PercaleSolver *solver)
     if (!solver->def.bending) {
         model->hinge_count = 0;
     }
-    return percale_batch_edges(model, &solver->static_coloring, &solver->color_memory, &solver->edges) &&
-           percale_batch_hinges(model, &solver->static_coloring, &solver->color_memory, &solver->hinges);
+    return percale_batch_edges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
+                               &solver->edges) &&
+           percale_batch_hinges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
+                                &solver->hinges);
 }
 
 /// Multipliers need memory only where a later sweep reads them.
@@ -304,36 +316,23 @@ static bool allocate_solve(PercaleSolver *solver)
     PercaleModel *model = &solver->model;
     PercaleMemory *memory = &solver->solve_memory;
     bool complete = true;
-    if (model->edge_compliances != NULL) { // stretch has several rounds in a sweep
-
+    if (model->edge_compliances != NULL) {
         solver->edge_multipliers = percale_memory_new(memory, model->edge_count, sizeof(float));
         complete = solver->edge_multipliers != NULL;
     }
+    if (model->hinge_count > 0) {
+        solver->bend_weights = percale_memory_new(memory, model->hinge_count, sizeof(f32x4));
+        complete = complete && solver->bend_weights != NULL;
+    }
     if (solver->def.iterations > 1 && model->hinge_count > 0) {
         solver->hinge_multipliers = percale_memory_new(memory, model->hinge_count, sizeof(f32x4));
-        complete = complete && solver->hinge_multipliers != NULL;
+        solver->bend_relaxations = percale_memory_new(memory, model->hinge_count, sizeof(float));
+        complete = complete && solver->hinge_multipliers != NULL && solver->bend_relaxations != NULL;
     }
     solver->pin_from = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
     solver->pin_to = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
     solver->seam_targets = percale_memory_new(memory, model->open_seam_count, sizeof(float));
     return complete && solver->pin_from != NULL && solver->pin_to != NULL && solver->seam_targets != NULL;
-}
-
-static PercaleResult create_rays(PercaleSolver *solver)
-{
-    const PercaleModel *model = &solver->model;
-    uint32_t *first_points =
-        percale_memory_new(&solver->detect_memory, model->obstacle_count, sizeof(uint32_t));
-    if (first_points == NULL) {
-        return percale_fail_memory(&solver->error);
-    }
-    for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        first_points[o] = model->obstacles[o].first_point;
-    }
-    PercaleResult result = percale_rays_create(&solver->rays, &solver->objects, first_points,
-                                               model->predicted, &solver->detect_memory, &solver->error);
-    percale_memory_free(&solver->detect_memory, first_points);
-    return result;
 }
 
 static PercaleResult prepare_detection(PercaleSolver *solver)
@@ -348,14 +347,14 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
         complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o], memory);
         if (complete) {
             percale_tree_refit(&solver->proximities[o].tree, model->obstacles[o].triangles, model->position,
-                               solver->def.thread_count);
+                               percale_team_alone());
         }
     }
     if (!complete) {
         return percale_fail_memory(&solver->error);
     }
     bool cast = solver->def.vertex_face && solver->def.ccd != PERCALE_CCD_OFF && model->obstacle_count > 0;
-    return cast ? create_rays(solver) : PERCALE_OK;
+    return cast ? percale_rays_create(&solver->rays, &solver->objects, memory, &solver->error) : PERCALE_OK;
 }
 
 static PercaleResult assemble(PercaleSolver *solver)

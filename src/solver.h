@@ -4,6 +4,7 @@
 #define PERCALE_SOLVER_H
 
 #include "base/arena.h"
+#include "base/team.h"
 #include "color/batch.h"
 #include "detect/contacts.h"
 #include "detect/paths.h"
@@ -16,6 +17,7 @@ struct PercaleSolver {
     PercaleSolverDef def;                  // passes resolved, isa resolved
     PercaleAllocator allocator;
     PercaleMemory object_memory, model_memory, detect_memory, color_memory, solve_memory;
+    PercaleCrowding crowding;
     PercaleArena arena; // per substep
     PercaleMessage error;
 
@@ -38,6 +40,10 @@ struct PercaleSolver {
     f32x4 *pin_from, *pin_to; // [pinned_count] of the running step
     float *edge_multipliers;
     f32x4 *hinge_multipliers;
+    f32x4 *bend_weights;     // for bend_dt
+    float *bend_relaxations; // too
+    float bend_dt;           // s; 0: not computed yet
+    uint32_t bend_interval;  // substeps
     float *seam_targets;
 
     PercaleProfile profile;

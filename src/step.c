@@ -19,6 +19,7 @@ static const float SEAM_SPEED = 0.5f; // m/s at which the gap of an open seam cl
 /// One substep of a step.
 typedef struct Substep {
     PercaleSolver *solver;
+    PercaleTeam *team;
     int index;       // 0 .. substeps - 1
     float dt;        // s
     double fraction; // of the step, at this substep's end
@@ -63,11 +64,9 @@ static PercaleResult predict(Substep *substep)
         .damping = (float)exp(-(double)solver->def.damping * (double)substep->dt),
         .speed_max = solver->def.speed_max,
         .dt = substep->dt,
-        .thread_count = solver->def.thread_count,
     };
-    percale_predict_cloth(&stage);
+    uint32_t bad = percale_predict_cloth(&stage, substep->team);
     percale_predict_pins(&solver->model, solver->pin_from, solver->pin_to, (float)substep->fraction);
-    uint32_t bad = percale_advance_find_bad(&solver->model, substep->dt, solver->def.thread_count);
     end_stage(substep, PERCALE_STAGE_PREDICT);
     return bad == UINT32_MAX ? PERCALE_OK : name_bad_vertex(solver, bad);
 }
@@ -92,9 +91,8 @@ static void move_obstacle(Substep *substep, uint32_t o)
     frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
     frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
     solver->proximities[o].motion =
-        object->moving
-            ? percale_motion_apply(&solver->model, o, object, substep->fraction, solver->def.thread_count)
-            : 0.0f;
+        object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction, substep->team)
+                       : 0.0f;
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         solver->proximities[o].doubt = INFINITY;
     } else { // next to a deforming surface the start of a path is moved along with the nearest triangle only
@@ -111,15 +109,14 @@ static bool find_active(Substep *substep, uint32_t o)
     PercaleModel *model = &solver->model;
     PercaleProximity *proximity = &solver->proximities[o];
     PercalePair pair = pair_of(solver, o);
-    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->start};
-    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, solver->def.thread_count);
+    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
+    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, substep->team);
     solver->counters.detections += searches;
     solver->counters.detections_skipped += model->slot_count - searches;
     if (proximity->motion > 0.0f) {
-        percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted,
-                           solver->def.thread_count);
+        percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted, substep->team);
         if (solver->rays != NULL && solver->objects.obstacles[o].motion == MOTION_DEFORMING) {
-            return percale_rays_refit(solver->rays, o);
+            return percale_rays_refit(solver->rays, o, model->predicted + pair.obstacle->first_point);
         }
     }
     return true;
@@ -146,8 +143,7 @@ static bool cast_paths(Substep *substep, uint32_t o)
     }
     PercalePair pair = pair_of(solver, o);
     PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted};
-    PercalePathStage stage = {
-        &pair, proximity, &at_end, &solver->frames[o], solver->rays, o, solver->def.thread_count};
+    PercalePathStage stage = {&pair, proximity, &at_end, &solver->frames[o], solver->rays, o, substep->team};
     solver->crossings[o] =
         percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleCrossing));
     return solver->crossings[o] != NULL &&
@@ -184,8 +180,7 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
         PercalePair pair = pair_of(solver, o);
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
         PercaleContactStage stage = {
-            &pair,       &solver->proximities[o], &at_end, solver->crossings[o], !pass,
-            substep->dt, solver->def.thread_count};
+            &pair, &solver->proximities[o], &at_end, solver->crossings[o], !pass, substep->dt, substep->team};
         complete = percale_contacts_find(&stage, &solver->contact_scratch, &solver->detect_memory,
                                          &solver->stencils, &solver->counters.candidates);
     }
@@ -216,16 +211,18 @@ static PercaleResult color(Substep *substep)
         .arity = 4,
         .count = count,
     };
-    bool complete = percale_coloring_run(&solver->contact_coloring, &solver->color_memory, &constraints,
-                                         solver->model.predicted, solver->model.point_count);
+    bool complete =
+        percale_coloring_run(&solver->contact_coloring, &solver->color_memory, &constraints,
+                             solver->model.predicted, solver->model.point_count) &&
+        percale_batch_coloring(&solver->contact_coloring, &solver->color_memory, &solver->contacts);
     if (!complete) {
         return percale_fail_memory(&solver->error);
     }
-    solver->contacts = percale_batches_of(&solver->contact_coloring);
-    if (solver->contacts.color_count > solver->counters.colors_max) {
-        solver->counters.colors_max = solver->contacts.color_count;
+    const PercaleColoring *coloring = &solver->contact_coloring;
+    if (coloring->color_count > solver->counters.colors_max) {
+        solver->counters.colors_max = coloring->color_count;
     }
-    solver->counters.overflow += count - solver->contacts.first[solver->contacts.color_count];
+    solver->counters.overflow += count - coloring->first[coloring->color_count];
     end_stage(substep, PERCALE_STAGE_COLOR);
     return PERCALE_OK;
 }
@@ -243,6 +240,13 @@ static void begin_solve(Substep *substep)
     if (solver->hinge_multipliers != NULL) {
         memset(solver->hinge_multipliers, 0, model->hinge_count * sizeof(f32x4));
     }
+    if (model->hinge_count > 0 && solver->bend_dt != substep->dt) {
+        solver->bend_interval =
+            percale_solve_bend_interval(model, substep->dt, (uint32_t)solver->def.substeps);
+        percale_solve_bend_prepare(model, substep->dt, solver->bend_interval, solver->bend_weights,
+                                   solver->bend_relaxations);
+        solver->bend_dt = substep->dt;
+    }
     for (uint32_t s = 0; s < model->open_seam_count; s++) {
         const uint32_t *slots = model->open_seams[s].slots;
         float gap = length3(model->position[slots[0]] - model->position[slots[1]]) - SEAM_SPEED * substep->dt;
@@ -251,24 +255,27 @@ static void begin_solve(Substep *substep)
     end_stage(substep, PERCALE_STAGE_SOLVE);
 }
 
-static void solve(Substep *substep, uint32_t sweep_count)
+static PercaleResult solve(Substep *substep, uint32_t sweep_count)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
+    bool bends = model->hinge_count > 0 && (uint32_t)substep->index % solver->bend_interval == 0;
+    PercaleBatches none = {0};
     PercaleSweepPlan plan = {
-        .arrays = {model, model->predicted, model->start, substep->dt, solver->edge_multipliers,
-                   solver->hinge_multipliers, solver->seam_targets, solver->stencils.items,
-                   solver->contact_coloring.order},
-        .edges = solver->edges,
-        .hinges = solver->hinges,
-        .contacts = solver->contacts,
+        .arrays = {model, model->predicted, model->position, substep->dt, solver->edge_multipliers,
+                   solver->bend_weights, solver->bend_relaxations, solver->hinge_multipliers,
+                   solver->seam_targets, solver->stencils.items, solver->contact_coloring.order},
+        .edges = &solver->edges,
+        .hinges = bends ? &solver->hinges : &none,
+        .contacts = &solver->contacts,
         .sweep_count = sweep_count,
-        .thread_count = solver->def.thread_count,
     };
-    percale_sweep_run(&plan);
+    if (!percale_sweep_run(&plan, substep->team, &solver->arena)) {
+        return percale_fail_memory(&solver->error);
+    }
     PercaleCounters *counters = &solver->counters;
-    uint64_t stretch = (uint64_t)sweep_count * STRETCH_ROUNDS * model->edge_count;
-    uint64_t bend = (uint64_t)sweep_count * model->hinge_count;
+    uint64_t stretch = (uint64_t)sweep_count * model->edge_count;
+    uint64_t bend = bends ? (uint64_t)sweep_count * model->hinge_count : 0;
     uint64_t seam = (uint64_t)sweep_count * model->open_seam_count;
     uint64_t contact = (uint64_t)sweep_count * solver->contacts.count;
     counters->projections_stretch += stretch;
@@ -277,6 +284,7 @@ static void solve(Substep *substep, uint32_t sweep_count)
     counters->projections_contact += contact;
     counters->projections += stretch + bend + seam + contact;
     end_stage(substep, PERCALE_STAGE_SOLVE);
+    return PERCALE_OK;
 }
 
 // ---- finish ----
@@ -285,10 +293,11 @@ static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
-    uint32_t bad = percale_advance_find_bad(model, substep->dt, solver->def.thread_count);
+    uint32_t bad = percale_advance_velocities(model, substep->dt, substep->team);
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
+    uint64_t corrected = 0;
     for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
         PercalePair pair = pair_of(solver, o);
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
@@ -297,22 +306,23 @@ static PercaleResult finish(Substep *substep)
                                    &at_end,
                                    &solver->frames[o],
                                    model->predicted,
-                                   model->start,
+                                   model->next_velocity,
                                    substep->dt,
                                    solver->def.ccd != PERCALE_CCD_OFF,
                                    solver->proximities,
                                    o,
-                                   solver->def.thread_count};
+                                   substep->team};
         PercaleGuardCounts counts = percale_guard_run(&stage);
         solver->counters.left_inside += counts.left_inside;
         solver->counters.truncated += counts.truncated;
+        corrected += counts.truncated;
         solver->counters.detections += counts.searches;
     }
-    bad = percale_advance_find_bad(model, substep->dt, solver->def.thread_count);
+    bad = corrected > 0 ? percale_advance_find_bad(model, substep->team) : UINT32_MAX;
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
-    percale_advance_commit(model, substep->dt, solver->def.thread_count);
+    percale_advance_commit(model);
     end_stage(substep, PERCALE_STAGE_FINISH);
     return PERCALE_OK;
 }
@@ -349,7 +359,7 @@ static PercaleResult run_substep(Substep *substep)
             next++;
         }
         if (result == PERCALE_OK) {
-            solve(substep, (uint32_t)(next - sweep));
+            result = solve(substep, (uint32_t)(next - sweep));
         }
         sweep = next;
     }
@@ -408,6 +418,32 @@ static void close_seams(PercaleSolver *solver)
     }
 }
 
+/// All substeps of a step, for the leader of the team.
+typedef struct Substeps {
+    PercaleSolver *solver;
+    double seconds; // of the step
+    int good;       // substeps that are done
+    PercaleResult result;
+} Substeps;
+
+static void run_substeps(PercaleTeam *team, void *context)
+{
+    Substeps *substeps = context;
+    PercaleSolver *solver = substeps->solver;
+    int count = solver->def.substeps;
+    while (substeps->result == PERCALE_OK && substeps->good < count) {
+        Substep substep = {solver,
+                           team,
+                           substeps->good,
+                           (float)(substeps->seconds / count),
+                           (double)(substeps->good + 1) / (double)count,
+                           percale_seconds()};
+        percale_arena_reset(&solver->arena);
+        substeps->result = run_substep(&substep);
+        substeps->good += substeps->result == PERCALE_OK;
+    }
+}
+
 static PercaleResult run_step(PercaleSolver *solver, double seconds)
 {
     const double SHORTEST = 1e-6; // s; below it positions of float32 no longer move
@@ -423,15 +459,12 @@ static PercaleResult run_step(PercaleSolver *solver, double seconds)
     double began = percale_seconds();
     memset(&solver->profile, 0, sizeof(solver->profile));
     begin_pins(solver);
-    int good = 0;
-    while (result == PERCALE_OK && good < solver->def.substeps) {
-        Substep substep = {solver, good, (float)(seconds / solver->def.substeps),
-                           (double)(good + 1) / (double)solver->def.substeps, percale_seconds()};
-        percale_arena_reset(&solver->arena);
-        result = run_substep(&substep);
-        good += result == PERCALE_OK;
-    }
-    end_obstacles(solver, good);
+    Substeps substeps = {solver, seconds, 0, PERCALE_OK};
+    size_t work = (size_t)solver->model.slot_count + solver->edges.count + solver->hinges.count;
+    percale_team_open(threads_for(work, solver->def.thread_count), &solver->crowding, run_substeps,
+                      &substeps);
+    result = substeps.result;
+    end_obstacles(solver, substeps.good);
     if (result == PERCALE_OK) {
         close_seams(solver);
     } else {

@@ -38,10 +38,17 @@ static inline void place_points(Scene *scene)
 }
 
 /// Takes the mesh's positions over into points and boxes.
+static inline void refit_with(PercaleTeam *team, void *context)
+{
+    Scene *scene = context;
+    percale_tree_refit(&scene->tree, scene->surface.mesh->triangles, scene->points, team);
+}
+
 static inline void refit(Scene *scene, int thread_count)
 {
+    PercaleCrowding crowding = {0, 0};
     place_points(scene);
-    percale_tree_refit(&scene->tree, scene->surface.mesh->triangles, scene->points, thread_count);
+    percale_team_open(thread_count, &crowding, refit_with, scene);
 }
 
 /// Takes the mesh over. The scene must not move.

@@ -28,13 +28,17 @@ typedef struct Stretch {
 /// One edge between the first two points.
 static void open_stretch(Stretch *stretch, f32x4 x[POINTS], float length, float compliance)
 {
-    *stretch = (Stretch){.edge = {{0, 1}}, .length = length, .compliance = compliance};
+    *stretch = (Stretch){.edge = {{0, POINT_BYTES}}, .length = length, .compliance = compliance};
     stretch->model.edge_count = 1;
     stretch->model.edges = stretch->edge;
     stretch->model.edge_lengths = &stretch->length;
     stretch->model.edge_compliances = compliance > 0.0f ? &stretch->compliance : NULL;
-    stretch->arrays = (PercaleSolveArrays){
-        .model = &stretch->model, .x = x, .start = x, .dt = DT, .edge_multipliers = &stretch->multiplier};
+    stretch->arrays =
+        (PercaleSolveArrays){.model = &stretch->model,
+                             .x = x,
+                             .start = x,
+                             .dt = DT,
+                             .edge_multipliers = compliance > 0.0f ? &stretch->multiplier : NULL};
 }
 
 START_TEST(stretch_moves_along_its_gradient)
@@ -229,9 +233,18 @@ START_TEST(bending_force_is_the_gradient_of_its_energy)
                 bent[axis] += random_float(&seed, -0.05, 0.05);
             }
             before[k] = x[slots[k]] = bent;
+            model->position[slots[k]][3] = mass;
         }
-        PercaleSolveArrays arrays = {
-            .model = model, .x = x, .start = x, .dt = 4.0f * DT, .hinge_multipliers = &multiplier};
+        f32x4 weights;
+        float relaxation;
+        percale_solve_bend_prepare(model, 4.0f * DT, 1, &weights, &relaxation);
+        PercaleSolveArrays arrays = {.model = model,
+                                     .x = x,
+                                     .start = x,
+                                     .dt = 4.0f * DT,
+                                     .bend_weights = &weights,
+                                     .bend_relaxations = &relaxation,
+                                     .hinge_multipliers = &multiplier};
         for (int sweep = 0; sweep < 1 + trial % 3; sweep++) { // the first sweep is final
             percale_solve_bend(&arrays, 0, 1);
         }
@@ -290,7 +303,7 @@ static double cylinder_energy(Grid grid, double radius, double angle)
     for (uint32_t h = 0; h < model->hinge_count; h++) {
         Vec3 k = {0.0, 0.0, 0.0};
         for (int i = 0; i < POINTS; i++) {
-            k = vadd(k, vscale((double)model->hinge_weights[h][i], bent[model->hinges[h][i]]));
+            k = vadd(k, vscale((double)model->hinge_weights[h][i], bent[slot_at(model->hinges[h][i])]));
         }
         energy += 0.5 * (double)model->hinge_stiffnesses[h] * vdot(k, k);
     }

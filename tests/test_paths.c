@@ -189,7 +189,7 @@ static void count_leaks(PercaleSolver *solver, Tally *tally)
     for (uint32_t slot = 0; slot < model->slot_count; slot++) {
         to[slot] = model->position[slot] + model->velocity[slot] * (float)STEP;
     }
-    percale_rays_cast(solver->rays, 0, model->position, to, model->slot_count, flags, 2);
+    percale_rays_cast(solver->rays, 0, model->position, to, model->slot_count, flags, percale_team_alone());
     for (uint32_t slot = 0; slot < model->slot_count; slot++) {
         PercaleCrossing crossing =
             percale_surface_first_crossing(&surface, vec3_of(model->position[slot]), vec3_of(to[slot]));

@@ -24,6 +24,13 @@ static inline float length3(f32x4 a)
     return sqrtf(dot3(a, a));
 }
 
+/// x, y and z are numbers: x - x is 0 for these alone, and its sum NaN else.
+static inline int is_finite3(f32x4 x)
+{
+    f32x4 zero = x - x;
+    return (zero[0] + zero[1]) + zero[2] == 0.0f;
+}
+
 /// a with its fourth component replaced.
 static inline f32x4 with_w(f32x4 a, float w)
 {

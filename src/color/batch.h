@@ -1,7 +1,13 @@
-// batch.h: sorts the model's static constraints into colours, once per assembly.
+// batch.h: sorts constraints into runs that may be projected side by side.
 //
-//   in   edges, hinges of the model
-//   out  the same arrays in colour order, and where each colour begins
+//   in   constraints, in an order along the space-filling curve
+//   out  the same in run order, and where each run begins
+//
+// A *run* is a range of constraints that share no vertex. Points are cut into *tiles* of consecutive
+// slots: a tile's own constraints stand together, colour after colour, so that one thread takes them through
+// its cache while others take other tiles; those that join two tiles come after them, in colours of their
+// own. The tiles depend on the mesh alone, so the bits don't depend on the threads. Without tiles (contacts)
+// there are only the latter. What fits into no colour makes runs of one.
 
 #ifndef PERCALE_BATCH_H
 #define PERCALE_BATCH_H
@@ -9,20 +15,34 @@
 #include "color/coloring.h"
 #include "model/model.h"
 
-/// Constraints [first[c], first[c + 1]) of colour c may run in parallel; [first[color_count], count) one by
-/// one.
 typedef struct PercaleBatches {
-    uint32_t color_count;
-    uint32_t first[COLORS_MAX + 1];
-    uint32_t count;
+    uint32_t count; // constraints
+    uint32_t tile_count;
+    uint32_t *tile_first_run; // [tile_count + 1]; runs from tile_first_run[tile_count] on join tiles
+    uint32_t run_count;
+    uint32_t *run_first; // [run_count + 1] constraints
+    size_t tile_capacity, run_capacity;
+    uint32_t color_count; // the most that a tile, or what joins them, has
 } PercaleBatches;
 
-PercaleBatches percale_batches_of(const PercaleColoring *coloring);
+/// Byte offset of a slot's point, which is what batched edges and hinges hold: it saves the kernels a shift
+/// for each point. So there are at most POINTS_MAX points.
+enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = 1 << 28 };
 
-/// Colours and reorders edges and hinges in place. False without memory.
-bool percale_batch_edges(PercaleModel *model, PercaleColoring *coloring, PercaleMemory *memory,
-                         PercaleBatches *batches);
-bool percale_batch_hinges(PercaleModel *model, PercaleColoring *coloring, PercaleMemory *memory,
-                          PercaleBatches *batches);
+static inline uint32_t slot_at(uint32_t offset)
+{
+    return offset / POINT_BYTES;
+}
+
+/// Sorts the model's edges and hinges in place; tile_points 0: no tiles. False without memory.
+bool percale_batch_edges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,
+                         PercaleMemory *memory, PercaleBatches *batches);
+bool percale_batch_hinges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,
+                          PercaleMemory *memory, PercaleBatches *batches);
+
+/// Runs of a coloring as it stands, without tiles; the constraints are found through coloring->order.
+bool percale_batch_coloring(const PercaleColoring *coloring, PercaleMemory *memory, PercaleBatches *batches);
+
+void percale_batches_free(PercaleBatches *batches, PercaleMemory *memory);
 
 #endif

@@ -6,6 +6,7 @@ typedef struct Constraint {
     const uint32_t *vertices;
     const float *weights; // NULL: all non-zero
     uint32_t arity;
+    bool all_take_part;
 } Constraint;
 
 static Constraint constraint_at(const PercaleConstraints *constraints, uint32_t index)
@@ -13,13 +14,13 @@ static Constraint constraint_at(const PercaleConstraints *constraints, uint32_t 
     return (Constraint){
         constraints->vertices + index * constraints->vertex_stride,
         constraints->weights == NULL ? NULL : constraints->weights + index * constraints->weight_stride,
-        constraints->arity};
+        constraints->arity, constraints->all_take_part};
 }
 
 static bool takes_part(Constraint constraint, uint32_t corner, const f32x4 *points)
 {
-    return points[constraint.vertices[corner]][3] > 0.0f &&
-           (constraint.weights == NULL || constraint.weights[corner] != 0.0f);
+    return constraint.all_take_part || (points[constraint.vertices[corner]][3] > 0.0f &&
+                                        (constraint.weights == NULL || constraint.weights[corner] != 0.0f));
 }
 
 /// First colour that none of the constraint's vertices has yet, COLORS_MAX for none.

@@ -118,7 +118,7 @@ static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor
     }
     if (best.triangle ==
         NO_TRIANGLE) { // far away, or deep inside: the surface is within what both have moved
-        double motion = vlength(vsub(visitor->point, vec3_of(stage->pair->model->start[visitor->slot]))) +
+        double motion = vlength(vsub(visitor->point, vec3_of(stage->pair->model->position[visitor->slot]))) +
                         (double)stage->proximity->motion;
         double radius = (double)stage->proximity->clearance[visitor->slot] + motion;
         return percale_surface_nearest(stage->surface, visitor->point, radius * (1.0 + 1e-6),
@@ -238,6 +238,12 @@ typedef struct Share {
     bool complete;
 } Share;
 
+/// What the chunks of a search share.
+typedef struct Search {
+    const PercaleContactStage *stage;
+    Share *shares;
+} Search;
+
 static void find_share(const PercaleContactStage *stage, Share *share)
 {
     share->thread->stencils.count = 0;
@@ -249,12 +255,20 @@ static void find_share(const PercaleContactStage *stage, Share *share)
     }
 }
 
+static void find_shares(void *context, uint32_t first, uint32_t end)
+{
+    const Search *search = context;
+    for (uint32_t i = first; i < end; i++) {
+        find_share(search->stage, &search->shares[i]);
+    }
+}
+
 bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
     uint64_t active_count = stage->proximity->active_count;
     uint64_t work = active_count * 16; // a vertex is some 16 small items
-    int thread_count = threads_for(work, stage->thread_count);
+    int thread_count = threads_for(work, percale_team_size(stage->team));
     int share_count = thread_count > 1 ? SHARES_PER_THREAD * thread_count : 1;
     share_count = share_count < PERCALE_MAX_THREADS ? share_count : PERCALE_MAX_THREADS;
     Share shares[PERCALE_MAX_THREADS];
@@ -266,15 +280,8 @@ bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScrat
                             0,
                             true};
     }
-#pragma omp parallel default(none) shared(stage, shares, share_count) num_threads(thread_count)
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(dynamic, 1)
-        for (int t = 0; t < share_count; t++) {
-            find_share(stage, &shares[t]);
-        }
-        float_mode_leave(mode);
-    }
+    Search search = {stage, shares};
+    percale_team_for(stage->team, (uint32_t)share_count, 1, find_shares, &search);
     bool complete = true;
     for (int t = 0; t < share_count; t++) {
         memory->bytes += shares[t].memory.bytes;

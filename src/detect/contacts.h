@@ -34,7 +34,7 @@ typedef struct PercaleContactStage {
     const PercaleCrossing *crossings; // [active_count]; NULL without CCD
     bool crossings_only;              // between two passes: only vertices that have crossed
     float dt;                         // s, of a substep
-    int thread_count;
+    PercaleTeam *team;
 } PercaleContactStage;
 
 /// One thread's scratch, kept between calls; on cache lines of its own, for its counts change with every

@@ -1,7 +1,5 @@
 #include "detect/paths.h"
 
-#include "base/parallel.h"
-
 /// v + 2 w (u x v) + 2 u x (u x v) for the quaternion (u, w); sign = -1 turns back.
 static Vec3 rotate(const double rotation[4], double sign, Vec3 v)
 {
@@ -79,9 +77,30 @@ static PercaleCrossing find_crossing(const PercalePathStage *stage, uint32_t slo
                                           vec3_of(stage->pair->model->predicted[slot]));
 }
 
+/// What the chunks of the exact search share.
+typedef struct Search {
+    const PercalePathStage *stage;
+    const uint8_t *flags;
+    const uint32_t *index; // of the active vertex whose path it is
+    PercaleCrossing *crossings;
+} Search;
+
+static void search_range(void *context, uint32_t first, uint32_t end)
+{
+    const Search *search = context;
+    for (uint32_t i = first; i < end; i++) {
+        if (search->flags[i] != 0) {
+            uint32_t active = search->index[i];
+            search->crossings[active] =
+                find_crossing(search->stage, search->stage->proximity->active[active]);
+        }
+    }
+}
+
 bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, PercaleCrossing *crossings,
                         uint64_t *ray_count)
 {
+    enum { GRAIN_PATHS = 512 };
     uint32_t active_count = stage->proximity->active_count;
     f32x4 *from = percale_arena_new(arena, active_count, sizeof(f32x4));
     f32x4 *to = percale_arena_new(arena, active_count, sizeof(f32x4));
@@ -94,19 +113,9 @@ bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, Perc
         crossings[i] = (PercaleCrossing){NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
     }
     uint32_t count = collect(stage, from, to, index);
-    percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->thread_count);
+    percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->team);
     *ray_count += count;
-#pragma omp parallel default(none) shared(stage, crossings, index, flags, count) \
-    num_threads(threads_for(count, stage->thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(dynamic, 512)
-        for (uint32_t i = 0; i < count; i++) {
-            if (flags[i] != 0) {
-                crossings[index[i]] = find_crossing(stage, stage->proximity->active[index[i]]);
-            }
-        }
-        float_mode_leave(mode);
-    }
+    Search search = {stage, flags, index, crossings};
+    percale_team_for(stage->team, count, GRAIN_PATHS, search_range, &search);
     return true;
 }

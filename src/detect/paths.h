@@ -34,7 +34,7 @@ typedef struct PercalePathStage {
     const PercaleFrame *frame;
     const PercaleRays *rays;
     uint32_t obstacle_index;
-    int thread_count;
+    PercaleTeam *team;
 } PercalePathStage;
 
 /// crossings: [active_count]. False without memory; adds the number of rays to *ray_count.

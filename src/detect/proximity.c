@@ -1,6 +1,6 @@
 #include "detect/proximity.h"
 
-#include "base/parallel.h"
+#include <stdatomic.h>
 
 // How far beyond the reach a search looks, so that a vertex found far is not searched for again at once: a
 // share of the reach, and substeps of the present motion.
@@ -81,7 +81,7 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     if (closed && proximity->side[slot] < 0) {
         return ACTIVE_KNOWN; // however deep: it has to come out
     }
-    float motion = length3(model->predicted[slot] - model->start[slot]) + proximity->motion;
+    float motion = length3(model->predicted[slot] - model->position[slot]) + proximity->motion;
     float reach = pair_reach(pair, slot, motion);
     if (proximity->clearance[slot] - motion > reach) {
         return IDLE;
@@ -89,10 +89,10 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     if (proximity->side[slot] != 0) {
         return ACTIVE_KNOWN;
     }
-    Vec3 point = vec3_of(model->start[slot]);
+    Vec3 point = vec3_of(model->position[slot]);
     float radius = LOOKAHEAD_REACH * reach + LOOKAHEAD_SUBSTEPS * motion;
     if (closed && proximity->nearest[slot] == NO_TRIANGLE &&
-        is_in_bounds(&proximity->tree, model->start[slot])) {
+        is_in_bounds(&proximity->tree, model->position[slot])) {
         radius = FARTHEST; // it may be deep inside
     }
     PercaleNearest nearest =
@@ -108,28 +108,39 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     return near ? ACTIVE_SEARCHED : IDLE_SEARCHED;
 }
 
-uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
-                                  const PercaleSurface *surface, int thread_count)
+/// What the chunks of a selection share.
+typedef struct Selection {
+    PercaleProximity *proximity;
+    const PercalePair *pair;
+    const PercaleSurface *surface;
+    atomic_uint_fast64_t searches;
+} Selection;
+
+static void examine_range(void *context, uint32_t first, uint32_t end)
 {
-    uint32_t slot_count = pair->model->slot_count;
+    Selection *selection = context;
+    PercaleProximity *proximity = selection->proximity;
     uint64_t searches = 0;
-#pragma omp parallel default(none) shared(proximity, pair, surface, slot_count)                                  \
-    num_threads(threads_for(slot_count, thread_count)) reduction(+ : searches)
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(dynamic, 512)
-        for (uint32_t slot = 0; slot < slot_count; slot++) {
-            Answer answer = examine(proximity, pair, surface, slot);
-            proximity->is_active[slot] = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
-            searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
-        }
-        float_mode_leave(mode);
+    for (uint32_t slot = first; slot < end; slot++) {
+        Answer answer = examine(proximity, selection->pair, selection->surface, slot);
+        proximity->is_active[slot] = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
+        searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
     }
+    atomic_fetch_add_explicit(&selection->searches, searches, memory_order_relaxed);
+}
+
+uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
+                                  const PercaleSurface *surface, PercaleTeam *team)
+{
+    enum { GRAIN_SLOTS = 512 };
+    uint32_t slot_count = pair->model->slot_count;
+    Selection selection = {proximity, pair, surface, 0};
+    percale_team_for(team, slot_count, GRAIN_SLOTS, examine_range, &selection);
     uint32_t count = 0;
     for (uint32_t slot = 0; slot < slot_count; slot++) {
         proximity->active[count] = slot;
         count += proximity->is_active[slot];
     }
     proximity->active_count = count;
-    return searches;
+    return selection.searches;
 }

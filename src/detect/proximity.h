@@ -47,10 +47,10 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
                               const PercaleModelObstacle *obstacle, PercaleMemory *memory);
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
 
-/// Finds the active vertices. The tree is at the start pose; surface->points are the start positions.
+/// Finds the active vertices. The tree is at the start pose; surface->points are the committed positions.
 /// Returns the number of exact distance queries.
 uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
-                                  const PercaleSurface *surface, int thread_count);
+                                  const PercaleSurface *surface, PercaleTeam *team);
 
 /// Distance that the pair of the slot's cloth and the obstacle keeps: the mean of the two thicknesses, m.
 static inline float pair_thickness(const PercalePair *pair, uint32_t slot)

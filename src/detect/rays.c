@@ -1,6 +1,6 @@
 #include "detect/rays.h"
 
-#include "base/parallel.h"
+#include <string.h>
 
 #include <embree3/rtcore.h>
 
@@ -9,6 +9,8 @@ enum { PACKET = 16 }; // paths per Embree call: the fastest width measured for s
 typedef struct RayScene {
     RTCScene scene;
     RTCGeometry geometry;
+    float *vertices; // [3 * vertex_count] Embree's
+    uint32_t vertex_count;
 } RayScene;
 
 struct PercaleRays {
@@ -23,37 +25,35 @@ static const char *device_config(void)
     return __builtin_cpu_supports("avx2") ? "threads=1,isa=avx2" : "threads=1,isa=sse2";
 }
 
-/// Deforming obstacles share the solver's points and are refit; REFIT needs all three settings at once, else
-/// Embree silently rebuilds.
-static void add_deforming(RayScene *target, const PercaleObstacleObject *object, const f32x4 *points)
+/// Deforming obstacles are refit; REFIT needs all three settings at once, else Embree silently rebuilds.
+static void add_deforming(RayScene *target)
 {
     rtcSetSceneFlags(target->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(target->scene, RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryBuildQuality(target->geometry, RTC_BUILD_QUALITY_REFIT);
-    rtcSetSharedGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, points, 0,
-                               sizeof(f32x4), object->vertex_count);
 }
 
-static void add_in_own_space(RayScene *target, const PercaleObstacleObject *object)
+static void add_in_own_space(RayScene *target)
 {
     rtcSetSceneFlags(target->scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(target->scene, RTC_BUILD_QUALITY_MEDIUM);
-    float *vertices = rtcSetNewGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), object->vertex_count);
-    for (size_t i = 0; vertices != NULL && i < 3 * (size_t)object->vertex_count; i++) {
-        vertices[i] = object->base[i];
-    }
 }
 
-static void build_scene(RTCDevice device, RayScene *target, const PercaleObstacleObject *object,
-                        const f32x4 *points)
+static void build_scene(RTCDevice device, RayScene *target, const PercaleObstacleObject *object)
 {
     target->scene = rtcNewScene(device);
     target->geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    target->vertex_count = object->vertex_count;
+    target->vertices = rtcSetNewGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                               3 * sizeof(float), object->vertex_count);
+    const float *start = object->motion == MOTION_DEFORMING ? object->from : object->base;
+    if (target->vertices != NULL) {
+        memcpy(target->vertices, start, 3 * sizeof(float) * object->vertex_count);
+    }
     if (object->motion == MOTION_DEFORMING) {
-        add_deforming(target, object, points);
+        add_deforming(target);
     } else {
-        add_in_own_space(target, object);
+        add_in_own_space(target);
     }
     rtcSetSharedGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                object->triangles, 0, 3 * sizeof(uint32_t), object->triangle_count);
@@ -62,8 +62,7 @@ static void build_scene(RTCDevice device, RayScene *target, const PercaleObstacl
     rtcCommitScene(target->scene);
 }
 
-PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *objects,
-                                  const uint32_t *first_points, const f32x4 *points, PercaleMemory *memory,
+PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *objects, PercaleMemory *memory,
                                   PercaleMessage *message)
 {
     PercaleRays *created = percale_memory_new(memory, 1, sizeof(*created));
@@ -82,7 +81,7 @@ PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *obje
     }
     created->scene_count = (uint32_t)objects->obstacle_count;
     for (uint32_t o = 0; o < created->scene_count; o++) {
-        build_scene(created->device, &scenes[o], &objects->obstacles[o], points + first_points[o]);
+        build_scene(created->device, &scenes[o], &objects->obstacles[o]);
     }
     enum RTCError error = rtcGetDeviceError(created->device);
     if (error != RTC_ERROR_NONE) {
@@ -110,9 +109,12 @@ void percale_rays_destroy(PercaleRays *rays, PercaleMemory *memory)
     percale_memory_free(memory, rays);
 }
 
-bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle)
+bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle, const f32x4 *points)
 {
     RayScene *target = &rays->scenes[obstacle];
+    for (size_t i = 0; i < target->vertex_count; i++) {
+        memcpy(target->vertices + 3 * i, &points[i], 3 * sizeof(float));
+    }
     rtcUpdateGeometryBuffer(target->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(target->geometry);
     rtcCommitScene(target->scene);
@@ -156,19 +158,27 @@ static void cast_packet(RTCScene scene, const f32x4 *from, const f32x4 *to, uint
     }
 }
 
-void percale_rays_cast(const PercaleRays *rays, uint32_t obstacle, const f32x4 *from, const f32x4 *to,
-                       uint32_t count, uint8_t *flags, int thread_count)
+/// What the chunks of a cast share.
+typedef struct Cast {
+    RTCScene scene;
+    const f32x4 *from, *to;
+    uint8_t *flags;
+} Cast;
+
+static void cast_range(void *context, uint32_t begin, uint32_t end)
 {
-    RTCScene scene = rays->scenes[obstacle].scene;
-#pragma omp parallel default(none) shared(scene, from, to, count, flags) \
-    num_threads(threads_for(count, thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(static)
-        for (uint32_t first = 0; first < count; first += PACKET) {
-            uint32_t rest = count - first;
-            cast_packet(scene, from + first, to + first, rest < PACKET ? rest : PACKET, flags + first);
-        }
-        float_mode_leave(mode);
+    const Cast *cast = context;
+    for (uint32_t first = begin; first < end; first += PACKET) {
+        uint32_t rest = end - first;
+        cast_packet(cast->scene, cast->from + first, cast->to + first, rest < PACKET ? rest : PACKET,
+                    cast->flags + first);
     }
+}
+
+void percale_rays_cast(const PercaleRays *rays, uint32_t obstacle, const f32x4 *from, const f32x4 *to,
+                       uint32_t count, uint8_t *flags, PercaleTeam *team)
+{
+    enum { GRAIN_PATHS = 16 * PACKET };
+    Cast cast = {rays->scenes[obstacle].scene, from, to, flags};
+    percale_team_for(team, count, GRAIN_PATHS, cast_range, &cast);
 }

@@ -12,25 +12,24 @@
 
 #include "base/message.h"
 #include "base/simd.h"
+#include "base/team.h"
 #include "model/object.h"
 
 typedef struct PercaleRays PercaleRays;
 
-/// Creates the device and one scene per obstacle. `points` (all points of the solver) and the objects'
-/// triangles are shared: they stay where they are until percale_rays_destroy. An obstacle's vertices are
-/// points[first_point ...].
-PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *objects,
-                                  const uint32_t *first_points, const f32x4 *points, PercaleMemory *memory,
+/// Creates the device and one scene per obstacle. The objects' triangles are shared: they stay where they are
+/// until percale_rays_destroy.
+PercaleResult percale_rays_create(PercaleRays **rays, const PercaleObjects *objects, PercaleMemory *memory,
                                   PercaleMessage *message);
 void percale_rays_destroy(PercaleRays *rays, PercaleMemory *memory); ///< NULL is allowed
 
-/// Takes over the points of a deforming obstacle; the others need no update. False when Embree reports an
-/// error.
-bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle);
+/// Takes over the points of a deforming obstacle ([vertex_count]); the others need no update. False when
+/// Embree reports an error.
+bool percale_rays_refit(PercaleRays *rays, uint32_t obstacle, const f32x4 *points);
 
 /// from, to: [count] path ends in the obstacle's scene space (own space for rigid ones); paths with a
 /// non-finite end are not cast. flags: [count] 1 where Embree finds the surface on the path.
 void percale_rays_cast(const PercaleRays *rays, uint32_t obstacle, const f32x4 *from, const f32x4 *to,
-                       uint32_t count, uint8_t *flags, int thread_count);
+                       uint32_t count, uint8_t *flags, PercaleTeam *team);
 
 #endif

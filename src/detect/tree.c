@@ -105,17 +105,34 @@ static void refit_inner(PercaleTree *tree, uint32_t level, uint32_t node)
     }
 }
 
-void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, int thread_count)
+/// What the chunks of a refit share.
+typedef struct Refit {
+    PercaleTree *tree;
+    const uint32_t *triangles;
+    const f32x4 *points;
+    uint32_t level;
+} Refit;
+
+static void refit_range(void *context, uint32_t first, uint32_t end)
 {
-#pragma omp parallel for default(none) shared(tree, triangles, points) \
-    num_threads(threads_for(tree->triangle_count, thread_count)) schedule(static)
-    for (uint32_t node = 0; node < tree->level_size[0]; node++) {
-        refit_lowest(tree, node, triangles, points);
-    }
-    for (uint32_t level = 1; level < tree->level_count; level++) {
-        for (uint32_t node = 0; node < tree->level_size[level];
-             node++) { // an eighth of the level below: short
-            refit_inner(tree, level, node);
+    const Refit *refit = context;
+    for (uint32_t node = first; node < end; node++) {
+        if (refit->level == 0) {
+            refit_lowest(refit->tree, node, refit->triangles, refit->points);
+        } else {
+            refit_inner(refit->tree, refit->level, node);
         }
     }
+}
+
+void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team)
+{
+    enum { GRAIN_NODES = GRAIN / (4 * TREE_WIDTH) };
+    Refit levels[TREE_LEVELS_MAX];
+    PercalePhase phases[TREE_LEVELS_MAX];
+    for (uint32_t level = 0; level < tree->level_count; level++) {
+        levels[level] = (Refit){tree, triangles, points, level};
+        phases[level] = (PercalePhase){refit_range, &levels[level], 0, tree->level_size[level], GRAIN_NODES};
+    }
+    percale_team_run(team, phases, tree->level_count);
 }

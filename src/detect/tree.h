@@ -11,6 +11,7 @@
 
 #include "base/memory.h"
 #include "base/simd.h"
+#include "base/team.h"
 
 enum { TREE_WIDTH = 8, TREE_LEVELS_MAX = 11, TREE_STACK = TREE_WIDTH * TREE_LEVELS_MAX };
 
@@ -30,7 +31,7 @@ typedef struct PercaleTree {
 /// triangles: [3 * triangle_count] indices into points. False without memory. Boxes are valid after a refit.
 bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
                         const f32x4 *points, PercaleMemory *memory);
-void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, int thread_count);
+void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team);
 void percale_tree_free(PercaleTree *tree, PercaleMemory *memory);
 
 /// One entry of a traversal: a node of a level.

@@ -1,21 +1,29 @@
-// advance.h: commits a substep: the only writer of the committed position and velocity.
+// advance.h: makes the committed state out of the solved one; the only writer of position and velocity.
 //
-//   in   start, predicted, free velocity v*
-//   out  position, velocity = v* + (predicted - (start + dt v*)) / dt
+//   in   position, predicted, v* (next_velocity)
+//   out  next_velocity, then: position, velocity
 //
-// In exact arithmetic that is (predicted - start) / dt. In float32 the difference of two positions has an
+//     v = v* + (predicted - (position + dt v*)) / dt
+//
+// which in exact arithmetic is (predicted - position) / dt. In float32 the difference of two positions has an
 // error of ulp(x) / dt; this form has it only in what the constraints have changed: a free fall of 5 m in
 // 1,200 substeps is off by 0.04 mm instead of 4.7 mm.
 
 #ifndef PERCALE_ADVANCE_H
 #define PERCALE_ADVANCE_H
 
+#include "base/team.h"
 #include "model/model.h"
 
-/// Slot of the first point whose predicted position or new velocity is NaN or infinite, UINT32_MAX for none.
-/// Ask before committing: a commit doesn't check.
-uint32_t percale_advance_find_bad(const PercaleModel *model, float dt, int thread_count);
+/// Computes next_velocity. Returns the slot of the first vertex whose predicted position or new velocity is
+/// NaN or infinite, UINT32_MAX for none. The committed state is as before.
+uint32_t percale_advance_velocities(PercaleModel *model, float dt, PercaleTeam *team);
 
-void percale_advance_commit(PercaleModel *model, float dt, int thread_count);
+/// The first vertex that is NaN or infinite now: for what has been corrected since.
+uint32_t percale_advance_find_bad(PercaleModel *model, PercaleTeam *team);
+
+/// The solved state becomes the committed one, at once: the arrays change places. Obstacles stand where they
+/// are in both of them.
+void percale_advance_commit(PercaleModel *model);
 
 #endif

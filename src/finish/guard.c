@@ -1,6 +1,6 @@
 #include "finish/guard.h"
 
-#include "base/parallel.h"
+#include <stdatomic.h>
 
 enum { ATTEMPTS = 3 }; // a second or third one is needed where the surface is folded
 
@@ -39,19 +39,18 @@ static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 positio
     const PercaleModel *model = stage->pair->model;
     f32x4 before = stage->predicted[slot];
     f32x4 after = f32x4_of(position, before[3]);
-    f32x4 start = stage->start[slot] + with_w(after - before, 0.0f);
     Vec3 carried = {0.0, 0.0, 0.0}; // how the surface moved there
     const uint32_t *corners = stage->pair->obstacle->triangles + 3 * (size_t)triangle;
     for (int k = 0; k < 3; k++) {
         Vec3 moved = vsub(vec3_of(model->predicted[corners[k]]), vec3_of(model->position[corners[k]]));
         carried = vadd(carried, vscale(weights[k], moved));
     }
-    double approach = vdot(normal, vsub(vsub(vec3_of(after), vec3_of(start)), carried));
+    double approach =
+        vdot(normal, vsub(vec3_of(stage->velocity[slot]), vscale(1.0 / (double)stage->dt, carried)));
     if (approach < 0.0) {
-        start += f32x4_of(vscale(approach, normal), 0.0f);
+        stage->velocity[slot] -= f32x4_of(vscale(approach, normal), 0.0f);
     }
     stage->predicted[slot] = after;
-    stage->start[slot] = start;
     for (uint32_t o = 0; o < stage->judged_count;
          o++) { // it may be deep inside those: nothing is known any more
         stage->judged[o].clearance[slot] -= length3(after - before);
@@ -101,8 +100,7 @@ static void remember(const PercaleGuardStage *stage, uint32_t slot, const Judgem
     proximity->nearest[slot] = found ? judgement->nearest.triangle : proximity->nearest[slot];
 }
 
-/// How far the vertex and the obstacle together have moved in the substep, m. From the committed position:
-/// another obstacle's guard may have shifted `start`.
+/// How far the vertex and the obstacle together have moved in the substep, m.
 static float motion_of(const PercaleGuardStage *stage, uint32_t slot)
 {
     return length3(stage->predicted[slot] - stage->pair->model->position[slot]) + stage->proximity->motion;
@@ -212,29 +210,49 @@ static PercaleGuardCounts guard_active(const PercaleGuardStage *stage, uint32_t 
     return guard_vertex(stage, slot);
 }
 
+/// What the chunks of the guard share.
+typedef struct Guard {
+    const PercaleGuardStage *stage;
+    atomic_uint_fast64_t left_inside, truncated, searches;
+} Guard;
+
+static void add_to_guard(Guard *guard, PercaleGuardCounts counts)
+{
+    atomic_fetch_add_explicit(&guard->left_inside, counts.left_inside, memory_order_relaxed);
+    atomic_fetch_add_explicit(&guard->truncated, counts.truncated, memory_order_relaxed);
+    atomic_fetch_add_explicit(&guard->searches, counts.searches, memory_order_relaxed);
+}
+
+static void guard_idle_range(void *context, uint32_t first, uint32_t end)
+{
+    Guard *guard = context;
+    PercaleGuardCounts counts = {0, 0, 0};
+    for (uint32_t slot = first; slot < end; slot++) {
+        if (guard->stage->proximity->is_active[slot] == 0) {
+            add_counts(&counts, guard_idle(guard->stage, slot));
+        }
+    }
+    add_to_guard(guard, counts);
+}
+
+static void guard_active_range(void *context, uint32_t first, uint32_t end)
+{
+    Guard *guard = context;
+    PercaleGuardCounts counts = {0, 0, 0};
+    for (uint32_t i = first; i < end; i++) {
+        add_counts(&counts, guard_active(guard->stage, i));
+    }
+    add_to_guard(guard, counts);
+}
+
 PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage)
 {
-    const PercaleProximity *proximity = stage->proximity;
-    uint32_t slot_count = stage->pair->model->slot_count;
-    PercaleGuardCounts sum = {0, 0, 0};
-#pragma omp parallel default(none) shared(stage, proximity, slot_count, sum) \
-    num_threads(threads_for(slot_count, stage->thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-        PercaleGuardCounts mine = {0, 0, 0};
-#pragma omp for schedule(dynamic, 512) nowait
-        for (uint32_t slot = 0; slot < slot_count; slot++) {
-            if (proximity->is_active[slot] == 0) {
-                add_counts(&mine, guard_idle(stage, slot));
-            }
-        }
-#pragma omp for schedule(dynamic, 128) nowait
-        for (uint32_t i = 0; i < proximity->active_count; i++) {
-            add_counts(&mine, guard_active(stage, i));
-        }
-#pragma omp critical(percale_guard_sum)
-        add_counts(&sum, mine);
-        float_mode_leave(mode);
-    }
-    return sum;
+    enum { GRAIN_IDLE = 1024, GRAIN_ACTIVE = 128 };
+    Guard guard = {stage, 0, 0, 0};
+    PercalePhase phases[] = {
+        {guard_idle_range, &guard, 0, stage->pair->model->slot_count, GRAIN_IDLE},
+        {guard_active_range, &guard, 0, stage->proximity->active_count, GRAIN_ACTIVE},
+    };
+    percale_team_run(stage->team, phases, 2);
+    return (PercaleGuardCounts){guard.left_inside, guard.truncated, guard.searches};
 }

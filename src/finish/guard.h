@@ -1,10 +1,8 @@
 // guard.h: nothing passes: after the last sweep no cloth vertex is left below an obstacle's surface, or it is
 // counted.
 //
-//   in   final predicted positions, start positions, the obstacle at the end pose, the active vertices
-//   out  corrected predicted positions, start shifted along (a correction is no velocity), clearances for the
-//   next
-//        substep
+//   in   final predicted positions, new velocities, the obstacle at the end pose, the active vertices
+//   out  both corrected (a correction is no velocity), clearances for the next substep
 //
 // A vertex that has crossed the surface, by its path or by its end, is put back before it, at a small gap.
 // Where two obstacles leave no room it may come to lie in an earlier one: that one finds it, and counts it,
@@ -22,13 +20,13 @@ typedef struct PercaleGuardStage {
     const PercaleSurface *surface; // end pose
     const PercaleFrame *frame;
     f32x4 *predicted; // [slot_count] corrected in place
-    f32x4 *start;     // [slot_count]
+    f32x4 *velocity;  // [slot_count] m/s, too
     float dt;         // s
     bool test_paths;  // ccd is on
     PercaleProximity *
         judged; // [judged_count] of the obstacles that have been before: what this one moves, they don't know
     uint32_t judged_count;
-    int thread_count;
+    PercaleTeam *team;
 } PercaleGuardStage;
 
 typedef struct PercaleGuardCounts {

@@ -173,15 +173,14 @@ static bool build_points(PercaleModel *model, const PercaleObjects *objects, Per
     }
     model->position = percale_memory_new(memory, model->point_count, sizeof(f32x4));
     model->velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
-    model->start = percale_memory_new(memory, model->point_count, sizeof(f32x4));
     model->predicted = percale_memory_new(memory, model->point_count, sizeof(f32x4));
-    model->free_velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
+    model->next_velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
     model->triangles = percale_memory_new(memory, model->triangle_count, sizeof(model->triangles[0]));
     model->triangle_areas = percale_memory_new(memory, model->triangle_count, sizeof(float));
     double(*sums)[7] = percale_memory_new(memory, model->slot_count, sizeof(sums[0]));
     uint32_t *vertices_per_slot = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
-    bool complete = model->position != NULL && model->velocity != NULL && model->start != NULL &&
-                    model->predicted != NULL && model->free_velocity != NULL && model->triangles != NULL &&
+    bool complete = model->position != NULL && model->velocity != NULL && model->predicted != NULL &&
+                    model->next_velocity != NULL && model->triangles != NULL &&
                     model->triangle_areas != NULL && sums != NULL && vertices_per_slot != NULL;
     if (complete) {
         for (uint32_t c = 0; c < model->cloth_count; c++) {
@@ -383,9 +382,8 @@ void percale_model_free(PercaleModel *model, PercaleMemory *memory)
                       model->obstacles,
                       model->position,
                       model->velocity,
-                      model->start,
                       model->predicted,
-                      model->free_velocity,
+                      model->next_velocity,
                       model->cloth_of,
                       model->triangles,
                       model->triangle_areas,

@@ -46,10 +46,10 @@ typedef struct PercaleModel {
     uint32_t point_count; // and obstacle points after them
     f32x4 *position;      // [point_count] m, inverse mass in 1/kg: the committed state
     f32x4 *velocity;      // [slot_count] m/s: committed
-    f32x4 *start;         // [point_count] where the running substep started
-    f32x4 *predicted;     // [point_count] x*: where it goes
-    f32x4 *free_velocity; // [slot_count] m/s; what led to x*, before any constraint
-    uint32_t *cloth_of;   // [slot_count] index into cloths
+    f32x4 *predicted;     // [point_count] x*: where the running substep goes
+    f32x4
+        *next_velocity; // [slot_count] m/s; v*, which led to x* before any constraint; in finish the new one
+    uint32_t *cloth_of; // [slot_count] index into cloths
 
     uint32_t cloth_count, obstacle_count;
     PercaleModelCloth *cloths;
@@ -62,12 +62,12 @@ typedef struct PercaleModel {
     uint32_t *slot_triangles;      // [3 * triangle_count] triangles around a slot
 
     uint32_t edge_count;
-    uint32_t (*edges)[2];    // [edge_count] slots
+    uint32_t (*edges)[2];    // [edge_count] slots; once batched, byte offsets of their points (see batch.h)
     float *edge_lengths;     // [edge_count] m at rest
     float *edge_compliances; // [edge_count] m/N; NULL when all are 0
 
     uint32_t hinge_count;
-    uint32_t (*hinges)[4];    // [hinge_count] edge a, b, opposite c, d
+    uint32_t (*hinges)[4];    // [hinge_count] edge a, b, opposite c, d; slots or offsets like edges
     f32x4 *hinge_weights;     // [hinge_count] the bending vector is sum weights[k] x[hinges[k]]
     float *hinge_stiffnesses; // [hinge_count] N/m: flexural rigidity over the two areas
 

@@ -1,6 +1,7 @@
 #include "predict/obstacle_motion.h"
 
 #include "base/parallel.h"
+#include "base/reduce.h"
 
 static void blend(const double a[4], const double b[4], double t, double sign, double out[4])
 {
@@ -84,32 +85,47 @@ static f32x4 deformed_point(const float *from, const float *to, float fraction)
     return fraction < 1.0f ? a + (b - a) * fraction : b;
 }
 
-float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const PercaleObstacleObject *object,
-                           double fraction, int thread_count)
-{
-    const f32x4 *start = model->start + model->obstacles[obstacle].first_point;
-    f32x4 *predicted = model->predicted + model->obstacles[obstacle].first_point;
-    uint32_t count = object->vertex_count;
-    bool rigid = object->motion != MOTION_DEFORMING;
-    PercalePose pose = percale_motion_between(&object->pose_from, &object->pose_to, fraction);
+/// What the chunks of a moving obstacle share.
+typedef struct Motion {
+    const PercaleObstacleObject *object;
+    const f32x4 *before; // its points in the model, at the start of the substep
+    f32x4 *predicted;
+    bool rigid;
     Vec3 rows[3];
-    matrix_of(pose.rotation, rows);
+    double translation[3];
+    float fraction;
+    ReducedUint farthest2;
+} Motion;
+
+static void move_range(void *context, uint32_t first, uint32_t end)
+{
+    Motion *motion = context;
     float farthest2 = 0.0f;
-#pragma omp parallel default(none) shared(start, predicted, count, rigid, pose, rows, object, fraction) \
-    reduction(max                                                                                       \
-              : farthest2) num_threads(threads_for(count, thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(static)
-        for (uint32_t i = 0; i < count; i++) {
-            size_t at = 3 * (size_t)i;
-            predicted[i] = rigid ? rigid_point(rows, pose.translation, object->base + at)
-                                 : deformed_point(object->from + at, object->to + at, (float)fraction);
-            f32x4 moved = predicted[i] - start[i];
-            float distance2 = dot3(moved, moved);
-            farthest2 = distance2 > farthest2 ? distance2 : farthest2;
-        }
-        float_mode_leave(mode);
+    for (uint32_t i = first; i < end; i++) {
+        size_t at = 3 * (size_t)i;
+        motion->predicted[i] =
+            motion->rigid
+                ? rigid_point(motion->rows, motion->translation, motion->object->base + at)
+                : deformed_point(motion->object->from + at, motion->object->to + at, motion->fraction);
+        f32x4 moved = motion->predicted[i] - motion->before[i];
+        float distance2 = dot3(moved, moved);
+        farthest2 = distance2 > farthest2 ? distance2 : farthest2;
     }
-    return sqrtf(farthest2);
+    reduce_max_float(&motion->farthest2, farthest2);
+}
+
+float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const PercaleObstacleObject *object,
+                           double fraction, PercaleTeam *team)
+{
+    uint32_t first = model->obstacles[obstacle].first_point;
+    PercalePose pose = percale_motion_between(&object->pose_from, &object->pose_to, fraction);
+    Motion motion = {.object = object,
+                     .before = model->position + first,
+                     .predicted = model->predicted + first,
+                     .rigid = object->motion != MOTION_DEFORMING,
+                     .translation = {pose.translation[0], pose.translation[1], pose.translation[2]},
+                     .fraction = (float)fraction};
+    matrix_of(pose.rotation, motion.rows);
+    percale_team_for(team, object->vertex_count, GRAIN, move_range, &motion);
+    return sqrtf(reduced_float(&motion.farthest2));
 }

@@ -8,14 +8,15 @@
 #ifndef PERCALE_OBSTACLE_MOTION_H
 #define PERCALE_OBSTACLE_MOTION_H
 
+#include "base/team.h"
 #include "model/model.h"
 
 /// Rigid pose between two others; exact at fractions 0 and 1.
 PercalePose percale_motion_between(const PercalePose *from, const PercalePose *to, double fraction);
 
 /// Writes model->predicted for the obstacle's points at `fraction` of the step (the end of the substep) and
-/// returns how far the farthest of them moves from model->start, m.
+/// returns how far the farthest of them moves from model->position, m.
 float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const PercaleObstacleObject *object,
-                           double fraction, int thread_count);
+                           double fraction, PercaleTeam *team);
 
 #endif

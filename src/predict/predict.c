@@ -1,6 +1,8 @@
 #include "predict/predict.h"
 
 #include "base/parallel.h"
+#include "base/reduce.h"
+#include "base/wide.h"
 
 static const float AIR_DENSITY = 1.2f;       // kg/m^3, at 20 C
 static const float PLATE_COEFFICIENT = 1.2f; // drag of a flat plate across the flow
@@ -33,35 +35,65 @@ static f32x4 wind_push(const PercalePredictStage *stage, uint32_t slot)
     return push;
 }
 
-static f32x4 predicted_velocity(const PercalePredictStage *stage, uint32_t slot, bool windy)
+/// What the chunks of the stage share.
+typedef struct Predict {
+    const PercalePredictStage *stage;
+    bool windy;
+    ReducedUint bad;
+} Predict;
+
+static f32x8 limit_speed(f32x8 velocity, float speed_max)
 {
-    f32x4 velocity = stage->model->velocity[slot] + stage->gravity * stage->dt;
-    if (windy) {
-        velocity += wind_push(stage, slot);
+    f32x8 speed2 = dot3_pairs(velocity, velocity);
+    if (lane_bits(speed2 > all8(speed_max * speed_max)) == 0) {
+        return velocity;
     }
-    velocity *= stage->damping;
-    float speed = length3(velocity);
-    return speed > stage->speed_max ? velocity * (stage->speed_max / speed) : velocity;
+    f32x8 speed = sqrt8(speed2);
+    return select8(speed > all8(speed_max), velocity * (all8(speed_max) / speed), velocity);
 }
 
-void percale_predict_cloth(const PercalePredictStage *stage)
+/// One or two vertices from `slot` on. Returns what of them is not finite.
+static inline i32x8 predict_vertices(const Predict *predict, uint32_t slot, uint32_t count)
 {
+    const PercalePredictStage *stage = predict->stage;
     PercaleModel *model = stage->model;
-    bool windy = dot3(stage->wind, stage->wind) > 0.0f;
-#pragma omp parallel default(none) shared(stage, model, windy) \
-    num_threads(threads_for(model->slot_count, stage->thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-#pragma omp for schedule(static)
-        for (uint32_t slot = 0; slot < model->slot_count; slot++) {
-            f32x4 x = model->position[slot];
-            model->start[slot] = x;
-            model->free_velocity[slot] =
-                x[3] > 0.0f ? with_w(predicted_velocity(stage, slot, windy), 0.0f) : (f32x4){0};
-            model->predicted[slot] = x + model->free_velocity[slot] * stage->dt;
-        }
-        float_mode_leave(mode);
+    f32x8 x = load_two(model->position + slot, count);
+    f32x8 pull = pair_of_points(stage->gravity, stage->gravity) * stage->dt;
+    f32x8 velocity = load_two(model->velocity + slot, count) + pull;
+    if (predict->windy) {
+        velocity += pair_of_points(wind_push(stage, slot), wind_push(stage, slot + count - 1));
     }
+    velocity = limit_speed(without_w(velocity * stage->damping), stage->speed_max);
+    velocity = where8(SPREAD(x, 3) > all8(0.0f), velocity);
+    x += velocity * stage->dt;
+    store_two(model->next_velocity + slot, velocity, count);
+    store_two(model->predicted + slot, x, count);
+    return not_finite8(x);
+}
+
+static void predict_range(void *context, uint32_t first, uint32_t end)
+{
+    Predict *predict = context;
+    i32x8 bad = {0};
+    uint32_t slot = first;
+    for (; slot + 2 <= end; slot += 2) {
+        bad |= predict_vertices(predict, slot, 2);
+    }
+    if (slot < end) {
+        bad |= predict_vertices(predict, slot, 1);
+    }
+    for (slot = first; lane_bits(bad) != 0 && slot < end; slot++) {
+        if (!is_finite3(predict->stage->model->predicted[slot])) {
+            reduce_min(&predict->bad, slot);
+        }
+    }
+}
+
+uint32_t percale_predict_cloth(const PercalePredictStage *stage, PercaleTeam *team)
+{
+    Predict predict = {stage, dot3(stage->wind, stage->wind) > 0.0f, UINT32_MAX};
+    percale_team_for(team, stage->model->slot_count, GRAIN, predict_range, &predict);
+    return predict.bad;
 }
 
 void percale_predict_pins(PercaleModel *model, const f32x4 *from, const f32x4 *to, float fraction)

@@ -1,13 +1,14 @@
 // predict.h: moves every cloth vertex to where it would go if nothing were in its way.
 //
 //   in   position, velocity; triangles for the wind
-//   out  start (a copy of position), free velocity, predicted
+//   out  next velocity, predicted
 //
 //     v = clamp((v + dt (g + wind)) * exp(-damping dt)),   x* = x + dt v          (symplectic Euler)
 
 #ifndef PERCALE_PREDICT_H
 #define PERCALE_PREDICT_H
 
+#include "base/team.h"
 #include "model/model.h"
 
 typedef struct PercalePredictStage {
@@ -17,10 +18,10 @@ typedef struct PercalePredictStage {
     float damping;   // share of the velocity that is left after a substep
     float speed_max; // m/s
     float dt;        // s
-    int thread_count;
 } PercalePredictStage;
 
-void percale_predict_cloth(const PercalePredictStage *stage);
+/// Returns the slot of the first vertex that would become NaN or infinite, UINT32_MAX for none.
+uint32_t percale_predict_cloth(const PercalePredictStage *stage, PercaleTeam *team);
 
 /// Puts pinned vertices on the line from where the step began to their targets. fraction: of the step, at the
 /// end of this substep; from, to: [pinned_count] points.

@@ -14,7 +14,7 @@ void percale_solve_seam(const PercaleSolveArrays *arrays, uint32_t begin, uint32
             continue; // closing further than asked is welcome
         }
         f32x4 push = between * ((arrays->seam_targets[s] - length) / (weight * length));
-        move_point(a, xa, push, xa[3]);
-        move_point(b, xb, push, -xb[3]);
+        *a = xa + push * xa[3];
+        *b = xb - push * xb[3];
     }
 }

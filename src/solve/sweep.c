@@ -1,91 +1,115 @@
 #include "solve/sweep.h"
 
-#include "base/barrier.h"
-#include "base/parallel.h"
+enum {
+    GRAIN_EDGES = 256,  // constraints per chunk: 1 to 2 us
+    GRAIN_HINGES = 128, // a multiple of WIDE, so that blocks are the same for any number of chunks
+    GRAIN_CONTACTS = 128,
+};
 
-#include <omp.h>
+/// One kind of constraint in a sweep.
+typedef struct Kind {
+    const PercaleSolveArrays *arrays;
+    const PercaleBatches *batches;
+    PercaleKernel *kernel;
+    uint32_t grain;
+} Kind;
 
-enum { SMALL_COLOR = 256 }; // constraints; below it a barrier costs more than a second thread brings
+// ---- ranges ----
 
-/// The threads of one parallel region, as each of them sees it.
-typedef struct Team {
-    PercaleBarrier *barrier;
-    int size, thread;
-} Team;
-
-/// The calling thread's share of [first, end).
-static void run_share(const PercaleSolveArrays *arrays, Team team, uint32_t first, uint32_t end,
-                      PercaleKernel *kernel)
+/// Constraints of one run, or of several short ones, one after the other: `first` and `end` count
+/// constraints.
+static void run_constraints(void *context, uint32_t first, uint32_t end)
 {
-    uint64_t count = end - first;
-    uint64_t thread = (uint64_t)team.thread;
-    uint64_t size = (uint64_t)team.size;
-    kernel(arrays, first + (uint32_t)(count * thread / size),
-           first + (uint32_t)(count * (thread + 1) / size));
+    const Kind *kind = context;
+    kind->kernel(kind->arrays, first, end);
 }
 
-/// All colours of one kind. Small ones and the remainder run on the first thread, one after the other without
-/// a barrier between them. Every thread takes the same decisions, so the barriers match.
-static void run_batches(const PercaleSolveArrays *arrays, Team team, const PercaleBatches *batches,
-                        PercaleKernel *kernel)
+/// Whole runs, one after the other.
+static void run_runs(void *context, uint32_t first, uint32_t end)
 {
-    bool pending = false; // the first thread may still be busy with small colours
-    for (uint32_t color = 0; color <= batches->color_count; color++) {
-        uint32_t first = batches->first[color];
-        bool is_remainder = color == batches->color_count;
-        uint32_t end = is_remainder ? batches->count : batches->first[color + 1];
-        if (is_remainder || end - first < SMALL_COLOR) {
-            if (team.thread == 0) {
-                kernel(arrays, first, end);
+    const Kind *kind = context;
+    for (uint32_t run = first; run < end; run++) {
+        kind->kernel(kind->arrays, kind->batches->run_first[run], kind->batches->run_first[run + 1]);
+    }
+}
+
+/// Both kinds of a tile's own constraints.
+typedef struct Tiles {
+    Kind *hinges, *edges;
+} Tiles;
+
+static void run_tiles(void *context, uint32_t first, uint32_t end)
+{
+    const Tiles *tiles = context;
+    Kind *kinds[2] = {tiles->hinges, tiles->edges};
+    for (uint32_t tile = first; tile < end; tile++) {
+        for (int i = 0; i < 2; i++) {
+            const PercaleBatches *batches = kinds[i]->batches;
+            if (batches->count > 0) {
+                run_runs(kinds[i], batches->tile_first_run[tile], batches->tile_first_run[tile + 1]);
             }
-            pending = pending || end > first;
-            continue;
         }
-        if (pending) {
-            barrier_wait(team.barrier, team.size);
-            pending = false;
-        }
-        run_share(arrays, team, first, end, kernel);
-        barrier_wait(team.barrier, team.size);
-    }
-    if (pending) {
-        barrier_wait(team.barrier, team.size);
     }
 }
 
-static void run_sweep(const PercaleSweepPlan *plan, Team team)
+// ---- the program ----
+
+typedef struct Program {
+    PercalePhase *phases;
+    size_t count, capacity;
+} Program;
+
+static void add_phase(Program *program, PercaleRange *run, void *context, uint32_t first, uint32_t end,
+                      uint32_t grain)
+{
+    if (end > first) {
+        program->phases[program->count++] = (PercalePhase){run, context, first, end, grain};
+    }
+}
+
+/// The runs that join tiles: a phase each, short ones in a row as one phase of one chunk.
+static void add_runs(Program *program, Kind *kind)
+{
+    const PercaleBatches *batches = kind->batches;
+    uint32_t run = batches->run_count > 0 ? batches->tile_first_run[batches->tile_count] : 0;
+    while (run < batches->run_count) {
+        uint32_t end = run;
+        while (end < batches->run_count &&
+               batches->run_first[end + 1] - batches->run_first[end] <= kind->grain) {
+            end++;
+        }
+        if (end > run) {
+            add_phase(program, run_runs, kind, run, end, end - run);
+            run = end;
+        } else {
+            add_phase(program, run_constraints, kind, batches->run_first[run], batches->run_first[run + 1],
+                      kind->grain);
+            run++;
+        }
+    }
+}
+
+bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
 {
     const PercaleSolveArrays *arrays = &plan->arrays;
-    run_batches(arrays, team, &plan->hinges, percale_solve_bend);
-    for (int round = 0; round < STRETCH_ROUNDS; round++) {
-        run_batches(arrays, team, &plan->edges, percale_solve_stretch);
+    Kind hinges = {arrays, plan->hinges, percale_solve_bend, GRAIN_HINGES};
+    Kind edges = {arrays, plan->edges, percale_solve_stretch, GRAIN_EDGES};
+    Kind contacts = {arrays, plan->contacts, percale_solve_contact, GRAIN_CONTACTS};
+    Kind seams = {arrays, NULL, percale_solve_seam, UINT32_MAX}; // one chunk: they may share vertices
+    Tiles tiles = {&hinges, &edges};
+    size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count + 2;
+    Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0, most};
+    if (program.phases == NULL) {
+        return false;
     }
-    if (arrays->model->open_seam_count > 0) { // few, and only until they have closed
-        if (team.thread == 0) {
-            percale_solve_seam(arrays, 0, arrays->model->open_seam_count);
-        }
-        barrier_wait(team.barrier, team.size);
+    uint32_t tile_count = plan->edges->count > 0 ? plan->edges->tile_count : plan->hinges->tile_count;
+    add_phase(&program, run_tiles, &tiles, 0, tile_count, 1);
+    add_runs(&program, &hinges);
+    add_runs(&program, &edges);
+    add_phase(&program, run_constraints, &seams, 0, arrays->model->open_seam_count, seams.grain);
+    add_runs(&program, &contacts);
+    for (uint32_t sweep = 0; sweep < plan->sweep_count; sweep++) {
+        percale_team_run(team, program.phases, program.count);
     }
-    run_batches(arrays, team, &plan->contacts, percale_solve_contact);
-}
-
-static size_t work_of(const PercaleSweepPlan *plan)
-{
-    return (size_t)plan->edges.count + plan->hinges.count + plan->contacts.count;
-}
-
-void percale_sweep_run(const PercaleSweepPlan *plan)
-{
-    PercaleBarrier barrier;
-    barrier_init(&barrier);
-#pragma omp parallel default(none) shared(plan, barrier) \
-    num_threads(threads_for(work_of(plan), plan->thread_count))
-    {
-        uint32_t mode = float_mode_enter();
-        Team team = {&barrier, omp_get_num_threads(), omp_get_thread_num()};
-        for (uint32_t sweep = 0; sweep < plan->sweep_count; sweep++) {
-            run_sweep(plan, team);
-        }
-        float_mode_leave(mode);
-    }
+    return true;
 }

@@ -1,30 +1,27 @@
-// sweep.h: runs the solver's sweeps over all constraints, colour after colour.
+// sweep.h: runs the solver's sweeps over all constraints, as a program of phases.
 //
-//   in   solve arrays, colour batches
+//   in   solve arrays, batches of each kind
 //   out  predicted positions
 //
-// A sweep is bending once, stretch STRETCH_ROUNDS times, open seams, contacts. Stretch is a small part of a
-// step's time where contact is looked for, and its error the largest: on `dress` (20,000 vertices, 20 x 1, 2
-// threads, interleaved beside another process) 1, 3 and 4 rounds leave a 99th percentile of 27, 10.5 and 8.7
-// % at frame 30, for 260, 305 and 336 ms a frame.
-//
-// One parallel region for all sweeps; within a colour each thread takes a contiguous share. Internal
-// constraints come first and contacts last, so that they win.
+// A sweep takes the tiles side by side, in each bending and then stretch, colour after colour; then what
+// joins them; open seams; contacts. Internal constraints come first and contacts last, so that they win.
+// Whatever the program looks like (tiles, colours over the whole cloth, short runs on one thread), it is a
+// list of phases.
 
 #ifndef PERCALE_SWEEP_H
 #define PERCALE_SWEEP_H
 
+#include "base/arena.h"
+#include "base/team.h"
 #include "solve/solve_arrays.h"
-
-enum { STRETCH_ROUNDS = 3 };
 
 typedef struct PercaleSweepPlan {
     PercaleSolveArrays arrays;
-    PercaleBatches edges, hinges, contacts;
+    const PercaleBatches *edges, *hinges, *contacts;
     uint32_t sweep_count;
-    int thread_count;
 } PercaleSweepPlan;
 
-void percale_sweep_run(const PercaleSweepPlan *plan);
+/// False without memory (the program's, in the arena).
+bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
 #endif

@@ -23,32 +23,30 @@ static PercaleResult check_points(const PercaleModel *model, PercaleMessage *mes
     return PERCALE_OK;
 }
 
-/// One kind of constraint in colour order.
+/// One kind of constraint in run order.
 typedef struct Constraints {
     const PercaleBatches *batches;
-    const uint32_t *vertices; // [arity * count]
+    const uint32_t *offsets; // [arity * count] of points
     uint32_t arity;
     const char *kind;
 } Constraints;
 
-/// No two constraints of a colour may move the same vertex. met[v]: 1 + the last colour in which v was moved.
+/// No two constraints of a run may name the same vertex. met[v]: 1 + the last run in which v was named.
 static PercaleResult check_constraint(const PercaleModel *model, const Constraints *constraints,
-                                      uint32_t index, uint32_t color, uint32_t *met, PercaleMessage *message)
+                                      uint32_t index, uint32_t run, uint32_t *met, PercaleMessage *message)
 {
-    const uint32_t *vertices = constraints->vertices + (size_t)index * constraints->arity;
+    const uint32_t *offsets = constraints->offsets + (size_t)index * constraints->arity;
     for (uint32_t k = 0; k < constraints->arity; k++) {
-        if (vertices[k] >= model->slot_count) {
+        uint32_t slot = slot_at(offsets[k]);
+        if (slot >= model->slot_count || offsets[k] % POINT_BYTES != 0) {
             return percale_fail(message, PERCALE_INVALID_ARGUMENT, "%s %u names point %u", constraints->kind,
-                                index, vertices[k]);
+                                index, slot);
         }
-        if (model->position[vertices[k]][3] <= 0.0f) {
-            continue;
+        if (met[slot] == run + 1) {
+            return percale_fail(message, PERCALE_INVALID_ARGUMENT, "%s %u shares point %u within run %u",
+                                constraints->kind, index, slot, run);
         }
-        if (met[vertices[k]] == color + 1) {
-            return percale_fail(message, PERCALE_INVALID_ARGUMENT, "%s %u shares point %u within colour %u",
-                                constraints->kind, index, vertices[k], color);
-        }
-        met[vertices[k]] = color + 1;
+        met[slot] = run + 1;
     }
     return PERCALE_OK;
 }
@@ -59,9 +57,10 @@ static PercaleResult check_batches(const PercaleModel *model, const Constraints 
     const PercaleBatches *batches = constraints->batches;
     uint32_t *met = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
     PercaleResult result = met == NULL ? percale_fail_memory(message) : PERCALE_OK;
-    for (uint32_t color = 0; constraints->vertices != NULL && color < batches->color_count; color++) {
-        for (uint32_t i = batches->first[color]; result == PERCALE_OK && i < batches->first[color + 1]; i++) {
-            result = check_constraint(model, constraints, i, color, met, message);
+    for (uint32_t run = 0; constraints->offsets != NULL && run < batches->run_count; run++) {
+        for (uint32_t i = batches->run_first[run]; result == PERCALE_OK && i < batches->run_first[run + 1];
+             i++) {
+            result = check_constraint(model, constraints, i, run, met, message);
         }
     }
     percale_memory_free(memory, met);

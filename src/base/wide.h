@@ -1,0 +1,182 @@
+// wide.h: eight floats at a time, as two points or as one number of eight constraints.
+//
+// A *pair* is two points in one f32x8: (x y z w | x y z w). Four pairs transpose to one component of eight
+// points each: pairs (0, 4) (1, 5) (2, 6) (3, 7) give the components in order 0 .. 7. All shuffles stay
+// inside the halves of a register, which is one instruction with AVX and two with SSE2.
+//
+// The kernels are compiled once for each instruction set; the arithmetic is the same, so the bits are.
+
+#ifndef PERCALE_WIDE_H
+#define PERCALE_WIDE_H
+
+#include "base/simd.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+enum { WIDE = 8 };
+
+#if defined(__AVX__)
+
+static inline f32x8 pair_of_points(f32x4 low, f32x4 high)
+{
+    return (f32x8)_mm256_insertf128_ps(_mm256_castps128_ps256((__m128)low), (__m128)high, 1);
+}
+
+static inline f32x4 low_point(f32x8 pair)
+{
+    return (f32x4)_mm256_castps256_ps128((__m256)pair);
+}
+
+static inline f32x4 high_point(f32x8 pair)
+{
+    return (f32x4)_mm256_extractf128_ps((__m256)pair, 1);
+}
+
+static inline f32x8 sqrt8(f32x8 a)
+{
+    return (f32x8)_mm256_sqrt_ps((__m256)a);
+}
+
+#define HALF_LANE(k) ((k) < 4 ? (k) : (k) + 4)
+/// In both halves: components i and j of a, k and l of b; b's are numbered 4 .. 7 (all four may name either).
+#define SHUFFLE_HALVES(a, b, i, j, k, l)                                                                    \
+    __builtin_shufflevector(a, b, HALF_LANE(i), HALF_LANE(j), HALF_LANE(k), HALF_LANE(l), HALF_LANE(i) + 4, \
+                            HALF_LANE(j) + 4, HALF_LANE(k) + 4, HALF_LANE(l) + 4)
+
+#else
+
+typedef union WideHalves {
+    f32x8 whole;
+    f32x4 half[2];
+} WideHalves;
+
+static inline f32x8 pair_of_points(f32x4 low, f32x4 high)
+{
+    WideHalves halves = {.half = {low, high}};
+    return halves.whole;
+}
+
+static inline f32x4 low_point(f32x8 pair)
+{
+    WideHalves halves = {.whole = pair};
+    return halves.half[0];
+}
+
+static inline f32x4 high_point(f32x8 pair)
+{
+    WideHalves halves = {.whole = pair};
+    return halves.half[1];
+}
+
+static inline f32x4 sqrt4(f32x4 a)
+{
+#if defined(__SSE2__)
+    return (f32x4)_mm_sqrt_ps((__m128)a);
+#else
+    return (f32x4){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
+#endif
+}
+
+static inline f32x8 sqrt8(f32x8 a)
+{
+    return pair_of_points(sqrt4(low_point(a)), sqrt4(high_point(a)));
+}
+
+#define SHUFFLE_HALVES(a, b, i, j, k, l)                                            \
+    pair_of_points(__builtin_shufflevector(low_point(a), low_point(b), i, j, k, l), \
+                   __builtin_shufflevector(high_point(a), high_point(b), i, j, k, l))
+
+#endif
+
+/// Component k of each point, in all four places.
+#define SPREAD(pair, k) SHUFFLE_HALVES(pair, pair, k, k, k, k)
+
+static inline f32x8 load8(const float *values)
+{
+    f32x8 wide;
+    __builtin_memcpy(&wide, values, sizeof(wide));
+    return wide;
+}
+
+static inline void store8(float *values, f32x8 wide)
+{
+    __builtin_memcpy(values, &wide, sizeof(wide));
+}
+
+static inline f32x8 all8(float a)
+{
+    return (f32x8){a, a, a, a, a, a, a, a};
+}
+
+/// `count` (1 or 2) consecutive points; one alone stands in both halves.
+static inline f32x8 load_two(const f32x4 points[], uint32_t count)
+{
+    return count == 2 ? load8((const float *)points) : pair_of_points(points[0], points[0]);
+}
+
+static inline void store_two(f32x4 *points, f32x8 pair, uint32_t count)
+{
+    if (count == 2) {
+        store8((float *)points, pair);
+    } else {
+        points[0] = low_point(pair);
+    }
+}
+
+/// Set where a component is NaN or infinite.
+static inline i32x8 not_finite8(f32x8 a)
+{
+    return (a - a) != all8(0.0f);
+}
+
+/// a where the mask is set, else 0.
+static inline f32x8 where8(i32x8 mask, f32x8 a)
+{
+    return (f32x8)((i32x8)a & mask);
+}
+
+static inline f32x8 select8(i32x8 mask, f32x8 a, f32x8 b)
+{
+    return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
+}
+
+/// The pair with both fourth components 0.
+static inline f32x8 without_w(f32x8 pair)
+{
+    return where8((i32x8){-1, -1, -1, 0, -1, -1, -1, 0}, pair);
+}
+
+/// Dot products of the first three components of two pairs, each in all four places of its half.
+static inline f32x8 dot3_pairs(f32x8 a, f32x8 b)
+{
+    f32x8 p = a * b;
+    return (SPREAD(p, 0) + SPREAD(p, 1)) + SPREAD(p, 2);
+}
+
+/// One component of eight points each.
+typedef struct WidePoints {
+    f32x8 x, y, z;
+} WidePoints;
+
+static inline WidePoints transpose_pairs(const f32x8 pairs[4])
+{
+    f32x8 xy_low = SHUFFLE_HALVES(pairs[0], pairs[1], 0, 4, 1, 5);
+    f32x8 xy_high = SHUFFLE_HALVES(pairs[2], pairs[3], 0, 4, 1, 5);
+    f32x8 zw_low = SHUFFLE_HALVES(pairs[0], pairs[1], 2, 6, 3, 7);
+    f32x8 zw_high = SHUFFLE_HALVES(pairs[2], pairs[3], 2, 6, 3, 7);
+    return (WidePoints){SHUFFLE_HALVES(xy_low, xy_high, 0, 1, 4, 5),
+                        SHUFFLE_HALVES(xy_low, xy_high, 2, 3, 6, 7),
+                        SHUFFLE_HALVES(zw_low, zw_high, 0, 1, 4, 5)};
+}
+
+/// The fourth components of eight points.
+static inline f32x8 transpose_w(const f32x8 pairs[4])
+{
+    f32x8 low = SHUFFLE_HALVES(pairs[0], pairs[1], 2, 6, 3, 7);
+    f32x8 high = SHUFFLE_HALVES(pairs[2], pairs[3], 2, 6, 3, 7);
+    return SHUFFLE_HALVES(low, high, 2, 3, 6, 7);
+}
+
+#endif
