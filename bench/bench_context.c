@@ -2,6 +2,7 @@
 
 #include "bench_json.h"
 #include "cli/report.h"
+#include "engine.h"
 
 #include <embree3/rtcore_config.h>
 #include <stdlib.h>
@@ -152,15 +153,9 @@ static json_t *date(void)
 static json_t *available_isas(void)
 {
     json_t *list = json_array();
-    const struct {
-        PercaleIsa isa;
-        bool there;
-    } isas[] = {{PERCALE_ISA_SSE2, __builtin_cpu_supports("sse2")},
-                {PERCALE_ISA_AVX2, __builtin_cpu_supports("avx2")},
-                {PERCALE_ISA_AVX512, __builtin_cpu_supports("avx512f")}};
-    for (size_t index = 0; index < sizeof isas / sizeof isas[0]; ++index) {
-        if (isas[index].there) {
-            json_array_append_new(list, bench_json_text(percale_isa_name(isas[index].isa)));
+    for (PercaleIsa isa = PERCALE_ISA_SSE2; isa <= PERCALE_ISA_AVX512; ++isa) {
+        if (percale_engine_for(isa) != NULL) {
+            json_array_append_new(list, bench_json_text(percale_isa_name(isa)));
         }
     }
     return list;

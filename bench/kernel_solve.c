@@ -95,7 +95,7 @@ static void lead(PercaleTeam *team, void *context)
 {
     SheetSolve *run = context;
     percale_arena_reset(&run->arena);
-    if (!percale_sweep_run(&run->plan, team, &run->arena)) {
+    if (!run->solver->engine->run_sweep(&run->plan, team, &run->arena)) {
         abort(); // a program of some kilobytes
     }
 }

@@ -60,17 +60,9 @@ PercaleSolverDef percale_solver_def_default(void)
         .ccd = PERCALE_CCD_RAY,
         .isa = PERCALE_ISA_AUTO,
         .vertex_face = 1,
+        .tethers = 1,
         .bending = 1,
     };
-}
-
-static PercaleIsa widest_isa(void)
-{
-#if defined(__AVX2__)
-    return PERCALE_ISA_AVX2;
-#else
-    return PERCALE_ISA_SSE2;
-#endif
 }
 
 static PercaleResult check_finite(PercaleMessage *message, const char *name, const double *values, int count)
@@ -138,9 +130,11 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
         bool asked;
         const char *name;
     } MISSING[] = {
-        {def->edge_edge != 0, "edge-edge contact"},   {def->self_collision != 0, "cloth-cloth contact"},
-        {def->untangle != 0, "untangling"},           {def->tethers != 0, "tethers"},
-        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"}, {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
+        {def->edge_edge != 0, "edge-edge contact"},
+        {def->self_collision != 0, "cloth-cloth contact"},
+        {def->untangle != 0, "untangling"},
+        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"},
+        {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
     };
     for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
         if (MISSING[i].asked) {
@@ -151,16 +145,14 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",
                             (int)def->ccd, (int)def->reuse);
     }
-    if (def->isa != PERCALE_ISA_AUTO && def->isa != widest_isa()) {
-        return percale_fail(message, PERCALE_UNSUPPORTED, "this build has one instruction set, %s",
-                            widest_isa() == PERCALE_ISA_AVX2 ? "avx2" : "sse2");
+    if ((unsigned)def->isa > PERCALE_ISA_AVX512) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "isa %d is no choice", (int)def->isa);
     }
-#if defined(__AVX2__)
-    if (!__builtin_cpu_supports("avx2")) {
-        return percale_fail(message, PERCALE_UNSUPPORTED,
-                            "this build needs a processor with AVX2; configure with PERCALE_AVX2=OFF");
+    if (percale_engine_for(def->isa) == NULL) {
+        static const char *const NAMES[] = {"auto", "sse2", "avx2", "avx512"};
+        return percale_fail(message, PERCALE_UNSUPPORTED, "this machine or this build has no %s",
+                            NAMES[def->isa]);
     }
-#endif
     return PERCALE_OK;
 }
 
@@ -213,7 +205,8 @@ PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver
     }
     (*solver)->def = def;
     (*solver)->def.passes = def.passes == 0 ? def.substeps : def.passes;
-    (*solver)->def.isa = widest_isa();
+    (*solver)->engine = percale_engine_for(def.isa);
+    (*solver)->def.isa = (*solver)->engine->isa;
     return PERCALE_OK;
 }
 
@@ -301,9 +294,6 @@ enum { TILE_POINTS = 1024 };
 static bool batch_constraints(PercaleSolver *solver)
 {
     PercaleModel *model = &solver->model;
-    if (!solver->def.bending) {
-        model->hinge_count = 0;
-    }
     return percale_batch_edges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
                                &solver->edges) &&
            percale_batch_hinges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
@@ -359,8 +349,9 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
 
 static PercaleResult assemble(PercaleSolver *solver)
 {
-    PercaleResult result =
-        percale_model_assemble(&solver->model, &solver->objects, &solver->model_memory, &solver->error);
+    PercaleParts parts = {solver->def.bending != 0, solver->def.tethers != 0};
+    PercaleResult result = percale_model_assemble(&solver->model, &solver->objects, parts,
+                                                  &solver->model_memory, &solver->error);
     if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {
         result = percale_fail_memory(&solver->error);
     }

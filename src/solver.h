@@ -9,6 +9,7 @@
 #include "detect/contacts.h"
 #include "detect/paths.h"
 #include "detect/rays.h"
+#include "engine.h"
 #include "model/model.h"
 #include "percale/percale.h"
 
@@ -17,6 +18,7 @@ struct PercaleSolver {
     PercaleSolverDef def;                  // passes resolved, isa resolved
     PercaleAllocator allocator;
     PercaleMemory object_memory, model_memory, detect_memory, color_memory, solve_memory;
+    const PercaleEngine *engine;
     PercaleCrowding crowding;
     PercaleArena arena; // per substep
     PercaleMessage error;

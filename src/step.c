@@ -276,13 +276,15 @@ static PercaleResult solve(Substep *substep, uint32_t sweep_count)
     PercaleCounters *counters = &solver->counters;
     uint64_t stretch = (uint64_t)sweep_count * model->edge_count;
     uint64_t bend = bends ? (uint64_t)sweep_count * model->hinge_count : 0;
+    uint64_t tether = (uint64_t)sweep_count * model->tether_count;
     uint64_t seam = (uint64_t)sweep_count * model->open_seam_count;
     uint64_t contact = (uint64_t)sweep_count * solver->contacts.count;
     counters->projections_stretch += stretch;
     counters->projections_bend += bend;
+    counters->projections_tether += tether;
     counters->projections_seam += seam;
     counters->projections_contact += contact;
-    counters->projections += stretch + bend + seam + contact;
+    counters->projections += stretch + bend + tether + seam + contact;
     end_stage(substep, PERCALE_STAGE_SOLVE);
     return PERCALE_OK;
 }
@@ -418,17 +420,9 @@ static void close_seams(PercaleSolver *solver)
     }
 }
 
-/// All substeps of a step, for the leader of the team.
-typedef struct Substeps {
-    PercaleSolver *solver;
-    double seconds; // of the step
-    int good;       // substeps that are done
-    PercaleResult result;
-} Substeps;
-
-static void run_substeps(PercaleTeam *team, void *context)
+void percale_run_substeps(PercaleTeam *team, void *context)
 {
-    Substeps *substeps = context;
+    PercaleSubsteps *substeps = context;
     PercaleSolver *solver = substeps->solver;
     int count = solver->def.substeps;
     while (substeps->result == PERCALE_OK && substeps->good < count) {
@@ -459,10 +453,10 @@ static PercaleResult run_step(PercaleSolver *solver, double seconds)
     double began = percale_seconds();
     memset(&solver->profile, 0, sizeof(solver->profile));
     begin_pins(solver);
-    Substeps substeps = {solver, seconds, 0, PERCALE_OK};
+    PercaleSubsteps substeps = {solver, seconds, 0, PERCALE_OK};
     size_t work = (size_t)solver->model.slot_count + solver->edges.count + solver->hinges.count;
-    percale_team_open(threads_for(work, solver->def.thread_count), &solver->crowding, run_substeps,
-                      &substeps);
+    percale_team_open(threads_for(work, solver->def.thread_count), &solver->crowding,
+                      solver->engine->run_substeps, &substeps);
     result = substeps.result;
     end_obstacles(solver, substeps.good);
     if (result == PERCALE_OK) {

@@ -59,9 +59,8 @@ START_TEST(what_this_version_lacks_is_said)
     PERCALE_NO_SOLVER(edge_edge, 1, PERCALE_UNSUPPORTED, "edge-edge");
     PERCALE_NO_SOLVER(self_collision, 1, PERCALE_UNSUPPORTED, "cloth-cloth");
     PERCALE_NO_SOLVER(untangle, 1, PERCALE_UNSUPPORTED, "untangling");
-    PERCALE_NO_SOLVER(tethers, 1, PERCALE_UNSUPPORTED, "tethers");
     PERCALE_NO_SOLVER(ccd, PERCALE_CCD_EXACT, PERCALE_UNSUPPORTED, "exact");
-    PERCALE_NO_SOLVER(isa, PERCALE_ISA_AVX512, PERCALE_UNSUPPORTED, "instruction set");
+    PERCALE_NO_SOLVER(isa, (PercaleIsa)4, PERCALE_INVALID_ARGUMENT, "isa 4");
     Scene *scene = create();
     const float velocities[24] = {0};
     PERCALE_REFUSED(

@@ -85,7 +85,6 @@ START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
     expect_refused("self", "on", "self=on", "not in this version");
     expect_refused("ee", "on", "ee=on", "not in this version");
     expect_refused("untangle", "on", "untangle=on", "not in this version");
-    expect_refused("tethers", "on", "tethers=on", "not in this version");
     expect_refused("reuse", "always", "reuse=always", "not in this version");
     expect_refused("ccd", "exact", "ccd=exact", "not in this version");
     set("self", "off");
@@ -93,7 +92,7 @@ START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
     set("untangle", "off");
     set("tethers", "off");
     const PercaleSolverDef def = percale_settings_solver_def(&settings, 1);
-    ck_assert_int_eq(def.self_collision + def.edge_edge + def.untangle + def.tethers, 0);
+    ck_assert_int_eq(def.self_collision + def.edge_edge + def.untangle, 0);
     ck_assert_int_eq(def.ccd, PERCALE_CCD_RAY);
 }
 END_TEST

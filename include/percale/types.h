@@ -93,12 +93,12 @@ typedef struct PercaleSolverDef {
     PercaleReuse reuse;
     PercaleCcd ccd;
     PercaleIsa isa;
-    int vertex_face;         ///< 1: cloth vertices collide with obstacles
-    int edge_edge;           ///< 1: edges collide with edges (not in this version)
-    int self_collision;      ///< 1: cloth collides with cloth (not in this version)
-    int untangle;            ///< 1: crossings are resolved (not in this version)
-    int tethers;             ///< 1: long-range limits from the pins (not in this version)
-    int bending;             ///< 1: cloth resists bending
+    int vertex_face;    ///< 1: cloth vertices collide with obstacles
+    int edge_edge;      ///< 1: edges collide with edges (not in this version)
+    int self_collision; ///< 1: cloth collides with cloth (not in this version)
+    int untangle;       ///< 1: crossings are resolved (not in this version)
+    int tethers; ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
+    int bending; ///< 1: cloth resists bending
     PercaleLogFunction *log; ///< one line per error or warning, without a newline; NULL: silent
     void *log_user;
     /// May be called from the solver's worker threads: it has to be thread-safe. Memory is aligned as asked.

@@ -125,6 +125,12 @@ static inline void store_two(f32x4 *points, f32x8 pair, uint32_t count)
     }
 }
 
+/// One number for each of two points.
+static inline f32x8 spread_two(float low, float high)
+{
+    return (f32x8){low, low, low, low, high, high, high, high};
+}
+
 /// Set where a component is NaN or infinite.
 static inline i32x8 not_finite8(f32x8 a)
 {

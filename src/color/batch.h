@@ -25,16 +25,8 @@ typedef struct PercaleBatches {
     uint32_t color_count; // the most that a tile, or what joins them, has
 } PercaleBatches;
 
-/// Byte offset of a slot's point, which is what batched edges and hinges hold: it saves the kernels a shift
-/// for each point. So there are at most POINTS_MAX points.
-enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = 1 << 28 };
-
-static inline uint32_t slot_at(uint32_t offset)
-{
-    return offset / POINT_BYTES;
-}
-
-/// Sorts the model's edges and hinges in place; tile_points 0: no tiles. False without memory.
+/// Sorts the model's edges and hinges in place, and makes byte offsets of their slots; tile_points 0: no
+/// tiles. False without memory.
 bool percale_batch_edges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,
                          PercaleMemory *memory, PercaleBatches *batches);
 bool percale_batch_hinges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,

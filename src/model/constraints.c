@@ -1,6 +1,9 @@
 // Edges and hinges of the welded cloth with their rest values.
 
 #include "model/model.h"
+#include "model/tethers.h"
+
+#include <string.h>
 
 typedef struct RestTriangle {
     float lengths[3]; // m; side k from corner k to corner k + 1
@@ -133,14 +136,29 @@ static bool build_hinges(PercaleModel *model, const PercaleEdges *edges, const R
     return true;
 }
 
-bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects,
+/// Tethers along the triangles' sides, as each has them at rest.
+static bool build_tethers(PercaleModel *model, const RestTriangle *rest, PercaleMemory *memory)
+{
+    float(*lengths)[3] = percale_memory_new(memory, model->triangle_count, sizeof(lengths[0]));
+    bool complete = lengths != NULL;
+    for (uint32_t t = 0; complete && t < model->triangle_count; t++) {
+        memcpy(lengths[t], rest[t].lengths, sizeof(lengths[t]));
+    }
+    complete = complete && percale_tethers_build(model, (const float(*)[3])lengths, memory);
+    percale_memory_free(memory, lengths);
+    return complete;
+}
+
+bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects, PercaleParts parts,
                                      PercaleMemory *memory)
 {
     PercaleEdges edges;
     RestTriangle *rest = gather_rest(model, objects, memory);
     bool complete = rest != NULL;
     if (complete && percale_edges_build(&model->triangles[0][0], model->triangle_count, memory, &edges)) {
-        complete = build_edges(model, &edges, rest, memory) && build_hinges(model, &edges, rest, memory);
+        complete = build_edges(model, &edges, rest, memory) &&
+                   (!parts.bending || build_hinges(model, &edges, rest, memory)) &&
+                   (!parts.tethers || build_tethers(model, rest, memory));
         percale_edges_free(&edges, memory);
     } else {
         complete = false;

@@ -347,8 +347,8 @@ static bool build_obstacles(PercaleModel *model, const PercaleObjects *objects, 
 
 // ---- entry points ----
 
-PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleMemory *memory,
-                                     PercaleMessage *message)
+PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleParts parts,
+                                     PercaleMemory *memory, PercaleMessage *message)
 {
     *model = (PercaleModel){0};
     Weld weld = {0};
@@ -356,7 +356,7 @@ PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *object
                     number_slots(model, objects, &weld, memory) && build_points(model, objects, memory) &&
                     build_incidence(model, memory) && build_pins(model, objects, memory) &&
                     build_open_seams(model, objects, memory) && build_obstacles(model, objects, memory) &&
-                    percale_model_build_constraints(model, objects, memory);
+                    percale_model_build_constraints(model, objects, parts, memory);
     percale_memory_free(memory, weld.parent);
     percale_memory_free(memory, weld.first_vertex);
     if (!complete) {
@@ -395,6 +395,8 @@ void percale_model_free(PercaleModel *model, PercaleMemory *memory)
                       model->hinges,
                       model->hinge_weights,
                       model->hinge_stiffnesses,
+                      model->tether_anchors,
+                      model->tether_lengths,
                       model->open_seams,
                       model->pinned_slots,
                       model->pinned_sources};

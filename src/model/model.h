@@ -71,6 +71,12 @@ typedef struct PercaleModel {
     f32x4 *hinge_weights;     // [hinge_count] the bending vector is sum weights[k] x[hinges[k]]
     float *hinge_stiffnesses; // [hinge_count] N/m: flexural rigidity over the two areas
 
+    uint32_t tether_layers; // tethers per slot; see tethers.h
+    uint32_t tether_count;  // those that can act
+    uint32_t
+        *tether_anchors;   // [tether_layers * slot_count] byte offsets of the anchors' points; its own: none
+    float *tether_lengths; // [tether_layers * slot_count] m; INFINITY: none
+
     uint32_t open_seam_count;
     PercaleOpenSeam *open_seams;
 
@@ -79,17 +85,31 @@ typedef struct PercaleModel {
     uint32_t (*pinned_sources)[2]; // [pinned_count] pin object's index, vertex in it
 } PercaleModel;
 
+/// Byte offset of a slot's point, which is how kernels address it (it saves a shift for each point). So there
+/// are at most POINTS_MAX points.
+enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = 1 << 28 };
+
+static inline uint32_t slot_at(uint32_t offset)
+{
+    return offset / POINT_BYTES;
+}
+
+/// What the solver asks for; the rest takes no memory.
+typedef struct PercaleParts {
+    bool bending, tethers;
+} PercaleParts;
+
 /// Builds the model; on failure it is left empty. Marks seam pairs that are closed as welded.
-PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleMemory *memory,
-                                     PercaleMessage *message);
+PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *objects, PercaleParts parts,
+                                     PercaleMemory *memory, PercaleMessage *message);
+
 void percale_model_free(PercaleModel *model, PercaleMemory *memory);
 
 /// Copies positions and velocities back into the objects.
 void percale_model_store(const PercaleModel *model, PercaleObjects *objects);
 
-/// Edges, hinges and their rest values (called by assemble). welded_triangles: [3 * total] slots, in cloth
-/// order.
-bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects,
+/// Edges, hinges and their rest values (called by assemble); hinges and tethers where they are asked for.
+bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects, PercaleParts parts,
                                      PercaleMemory *memory);
 
 #endif

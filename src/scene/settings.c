@@ -36,7 +36,7 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
     [PERCALE_SET_UNTANGLE] = {{"untangle", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "crossings are resolved"}, "untangling", 1},
     [PERCALE_SET_TETHERS] = {{"tethers", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
-        "long-range limits from the pins"}, "the tether constraint", 1},
+        "no vertex is farther from a pin than the cloth is long"}, NULL, 0},
     [PERCALE_SET_BENDING] = {{"bending", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "cloth resists bending"}, NULL, 0},
     [PERCALE_SET_THICKNESS] = {{"thickness", PERCALE_SETTING_NUMBER, {0.002}, 0, 1, "m", NULL,

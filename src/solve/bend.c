@@ -21,11 +21,10 @@ static inline void project(const PercaleSolveArrays *arrays, uint32_t first, uin
     f32x8 change = ((p[1] - p[0]) * e[1] + (p[2] - p[0]) * e[2]) + (p[3] - p[0]) * e[3];
     change = without_w(change);
     if (again) {
-        float r_low = arrays->bend_relaxations[first];
-        float r_high = arrays->bend_relaxations[first + second];
         f32x4 *multipliers = arrays->hinge_multipliers + first;
         f32x8 multiplier = pair_of_points(multipliers[0], multipliers[second]);
-        change += multiplier * (f32x8){r_low, r_low, r_low, r_low, r_high, r_high, r_high, r_high};
+        change += multiplier *
+                  spread_two(arrays->bend_relaxations[first], arrays->bend_relaxations[first + second]);
         multiplier -= change;
         multipliers[0] = low_point(multiplier);
         multipliers[second] = high_point(multiplier);

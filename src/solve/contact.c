@@ -83,9 +83,8 @@ static inline f32x8 friction_after(const PercaleSolveArrays *arrays, const Gathe
 {
     f32x8 wanted = before - slip_of(arrays, gathered) / gathered->weight;
     f32x8 size = sqrt8(dot3_pairs(wanted, wanted));
-    float low = gathered->stencils[0]->friction;
-    float high = gathered->stencils[1]->friction;
-    f32x8 most = (f32x8){low, low, low, low, high, high, high, high} * normal_multiplier;
+    f32x8 most =
+        spread_two(gathered->stencils[0]->friction, gathered->stencils[1]->friction) * normal_multiplier;
     return select8(size > most, wanted * (most / size), wanted);
 }
 

@@ -39,6 +39,8 @@ typedef void PercaleKernel(const PercaleSolveArrays *arrays, uint32_t begin, uin
 PercaleKernel percale_solve_stretch;
 /// Isometric bending as a linear vector constraint: C = sum c_k x_k = 0.
 PercaleKernel percale_solve_bend;
+/// Tethers of the slots [begin, end): a vertex is no farther from its anchors than the cloth is long.
+PercaleKernel percale_solve_tether;
 /// Open seams: the gap of a pair is pulled to its target of this substep. One after the other: they may share
 /// vertices.
 PercaleKernel percale_solve_seam;

@@ -1,8 +1,9 @@
 #include "solve/sweep.h"
 
 enum {
-    GRAIN_EDGES = 256,  // constraints per chunk: 1 to 2 us
-    GRAIN_HINGES = 128, // a multiple of WIDE, so that blocks are the same for any number of chunks
+    GRAIN_EDGES = 256,    // constraints per chunk: 1 to 2 us
+    GRAIN_HINGES = 128,   // a multiple of WIDE, so that blocks are the same for any number of chunks
+    GRAIN_TETHERS = 1024, // slots
     GRAIN_CONTACTS = 128,
 };
 
@@ -95,9 +96,10 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
     Kind hinges = {arrays, plan->hinges, percale_solve_bend, GRAIN_HINGES};
     Kind edges = {arrays, plan->edges, percale_solve_stretch, GRAIN_EDGES};
     Kind contacts = {arrays, plan->contacts, percale_solve_contact, GRAIN_CONTACTS};
+    Kind tethers = {arrays, NULL, percale_solve_tether, GRAIN_TETHERS};
     Kind seams = {arrays, NULL, percale_solve_seam, UINT32_MAX}; // one chunk: they may share vertices
     Tiles tiles = {&hinges, &edges};
-    size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count + 2;
+    size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count + 3;
     Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0, most};
     if (program.phases == NULL) {
         return false;
@@ -106,6 +108,8 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
     add_phase(&program, run_tiles, &tiles, 0, tile_count, 1);
     add_runs(&program, &hinges);
     add_runs(&program, &edges);
+    uint32_t tethered = arrays->model->tether_layers > 0 ? arrays->model->slot_count : 0;
+    add_phase(&program, run_constraints, &tethers, 0, tethered, tethers.grain);
     add_phase(&program, run_constraints, &seams, 0, arrays->model->open_seam_count, seams.grain);
     add_runs(&program, &contacts);
     for (uint32_t sweep = 0; sweep < plan->sweep_count; sweep++) {

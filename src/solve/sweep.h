@@ -4,9 +4,9 @@
 //   out  predicted positions
 //
 // A sweep takes the tiles side by side, in each bending and then stretch, colour after colour; then what
-// joins them; open seams; contacts. Internal constraints come first and contacts last, so that they win.
-// Whatever the program looks like (tiles, colours over the whole cloth, short runs on one thread), it is a
-// list of phases.
+// joins them; tethers; open seams; contacts. Internal constraints come first and contacts last, so that they
+// win. Whatever the program looks like (tiles, colours over the whole cloth, short runs on one thread), it is
+// a list of phases.
 
 #ifndef PERCALE_SWEEP_H
 #define PERCALE_SWEEP_H
