@@ -300,39 +300,38 @@ static bool batch_constraints(PercaleSolver *solver)
                                 &solver->hinges);
 }
 
+/// *array gets `count` elements, no memory for none. Returns false without memory.
+static bool allocate_some(PercaleMemory *memory, void *array, uint32_t count, size_t element_size)
+{
+    void *block = count > 0 ? percale_memory_new(memory, count, element_size) : NULL;
+    memcpy(array, &block, sizeof(block));
+    return count == 0 || block != NULL;
+}
+
 /// Multipliers need memory only where a later sweep reads them.
 static bool allocate_solve(PercaleSolver *solver)
 {
-    PercaleModel *model = &solver->model;
+    const PercaleModel *model = &solver->model;
     PercaleMemory *memory = &solver->solve_memory;
-    bool complete = true;
-    if (model->edge_compliances != NULL) {
-        solver->edge_multipliers = percale_memory_new(memory, model->edge_count, sizeof(float));
-        complete = solver->edge_multipliers != NULL;
-    }
-    if (model->hinge_count > 0) {
-        solver->bend_weights = percale_memory_new(memory, model->hinge_count, sizeof(f32x4));
-        complete = complete && solver->bend_weights != NULL;
-    }
-    if (solver->def.iterations > 1 && model->hinge_count > 0) {
-        solver->hinge_multipliers = percale_memory_new(memory, model->hinge_count, sizeof(f32x4));
-        solver->bend_relaxations = percale_memory_new(memory, model->hinge_count, sizeof(float));
-        complete = complete && solver->hinge_multipliers != NULL && solver->bend_relaxations != NULL;
-    }
-    solver->pin_from = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
-    solver->pin_to = percale_memory_new(memory, model->pinned_count, sizeof(f32x4));
-    solver->seam_targets = percale_memory_new(memory, model->open_seam_count, sizeof(float));
-    return complete && solver->pin_from != NULL && solver->pin_to != NULL && solver->seam_targets != NULL;
+    uint32_t compliant_count = model->edge_compliances != NULL ? model->edge_count : 0;
+    uint32_t repeated_count = solver->def.iterations > 1 ? model->hinge_count : 0;
+    return allocate_some(memory, &solver->edge_multipliers, compliant_count, sizeof(float)) &&
+           allocate_some(memory, &solver->bend_weights, model->hinge_count, sizeof(f32x4)) &&
+           allocate_some(memory, &solver->hinge_multipliers, repeated_count, sizeof(f32x4)) &&
+           allocate_some(memory, &solver->bend_relaxations, repeated_count, sizeof(float)) &&
+           allocate_some(memory, &solver->pin_from, model->pinned_count, sizeof(f32x4)) &&
+           allocate_some(memory, &solver->pin_to, model->pinned_count, sizeof(f32x4)) &&
+           allocate_some(memory, &solver->seam_targets, model->open_seam_count, sizeof(float));
 }
 
 static PercaleResult prepare_detection(PercaleSolver *solver)
 {
     PercaleModel *model = &solver->model;
     PercaleMemory *memory = &solver->detect_memory;
-    solver->proximities = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleProximity));
-    solver->frames = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleFrame));
-    solver->crossings = percale_memory_new(memory, model->obstacle_count, sizeof(PercaleCrossing *));
-    bool complete = solver->proximities != NULL && solver->frames != NULL && solver->crossings != NULL;
+    uint32_t count = model->obstacle_count;
+    bool complete = allocate_some(memory, &solver->proximities, count, sizeof(PercaleProximity)) &&
+                    allocate_some(memory, &solver->frames, count, sizeof(PercaleFrame)) &&
+                    allocate_some(memory, &solver->crossings, count, sizeof(PercaleCrossing *));
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
         complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o], memory);
         if (complete) {

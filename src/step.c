@@ -23,6 +23,7 @@ typedef struct Substep {
     int index;       // 0 .. substeps - 1
     float dt;        // s
     double fraction; // of the step, at this substep's end
+    bool has_pass;   // a collision pass falls into it
     double since;    // clock when the running stage began, s
 } Substep;
 
@@ -73,10 +74,32 @@ static PercaleResult predict(Substep *substep)
 
 // ---- detect ----
 
-static PercalePair pair_of(const PercaleSolver *solver, uint32_t obstacle)
+/// Collision pass i comes before sweep floor(i * S / P) of the step's S sweeps.
+static bool is_pass_due(const PercaleSolverDef *def, uint64_t sweep)
 {
+    uint64_t sweeps = (uint64_t)def->substeps * (uint64_t)def->iterations;
+    uint64_t passes = (uint64_t)def->passes;
+    uint64_t i = (sweep * passes + sweeps - 1) / sweeps; // the first i with i * S / P >= sweep
+    return i < passes && i * sweeps / passes == sweep;
+}
+
+/// Whether a collision pass comes before any sweep of the substep.
+static bool has_pass(const PercaleSolverDef *def, int substep_index)
+{
+    uint64_t first = (uint64_t)substep_index * (uint64_t)def->iterations;
+    bool due = false;
+    for (uint64_t i = 0; i < (uint64_t)def->iterations; i++) {
+        due = due || is_pass_due(def, first + i);
+    }
+    return due;
+}
+
+static PercalePair pair_of(const Substep *substep, uint32_t obstacle)
+{
+    const PercaleSolver *solver = substep->solver;
     int between = (solver->def.substeps + solver->def.passes - 1) / solver->def.passes; // the longest wait
-    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], (float)(between - 1)};
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], (float)(between - 1),
+                         substep->has_pass};
 }
 
 /// Moves the obstacle to the end of the substep; its tree is still at the start.
@@ -108,7 +131,7 @@ static bool find_active(Substep *substep, uint32_t o)
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
     PercaleProximity *proximity = &solver->proximities[o];
-    PercalePair pair = pair_of(solver, o);
+    PercalePair pair = pair_of(substep, o);
     PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
     uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, substep->team);
     solver->counters.detections += searches;
@@ -141,7 +164,7 @@ static bool cast_paths(Substep *substep, uint32_t o)
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         return true;
     }
-    PercalePair pair = pair_of(solver, o);
+    PercalePair pair = pair_of(substep, o);
     PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted};
     PercalePathStage stage = {&pair, proximity, &at_end, &solver->frames[o], solver->rays, o, substep->team};
     solver->crossings[o] =
@@ -177,7 +200,7 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
     bool complete = true;
     solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
-        PercalePair pair = pair_of(solver, o);
+        PercalePair pair = pair_of(substep, o);
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
         PercaleContactStage stage = {
             &pair, &solver->proximities[o], &at_end, solver->crossings[o], !pass, substep->dt, substep->team};
@@ -198,11 +221,14 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
 
 // ---- color ----
 
-static PercaleResult color(Substep *substep)
+static PercaleResult color(Substep *substep, bool pass)
 {
     PercaleSolver *solver = substep->solver;
     const PercaleStencil *stencils = solver->stencils.items;
     uint32_t count = (uint32_t)solver->stencils.count;
+    if (!pass && count == solver->pass_stencil_count && count == solver->contact_coloring.count) {
+        return PERCALE_OK; // those of the last pass, which have their colours
+    }
     PercaleConstraints constraints = {
         .vertices = count > 0 ? stencils[0].points : NULL,
         .vertex_stride = sizeof(PercaleStencil) / sizeof(uint32_t),
@@ -301,7 +327,7 @@ static PercaleResult finish(Substep *substep)
     }
     uint64_t corrected = 0;
     for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
-        PercalePair pair = pair_of(solver, o);
+        PercalePair pair = pair_of(substep, o);
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
         PercaleGuardStage stage = {&pair,
                                    &solver->proximities[o],
@@ -331,15 +357,6 @@ static PercaleResult finish(Substep *substep)
 
 // ---- the step ----
 
-/// Collision pass i comes before sweep floor(i * S / P) of the step's S sweeps.
-static bool is_pass_due(const PercaleSolverDef *def, uint64_t sweep)
-{
-    uint64_t sweeps = (uint64_t)def->substeps * (uint64_t)def->iterations;
-    uint64_t passes = (uint64_t)def->passes;
-    uint64_t i = (sweep * passes + sweeps - 1) / sweeps; // the first i with i * S / P >= sweep
-    return i < passes && i * sweeps / passes == sweep;
-}
-
 static PercaleResult run_substep(Substep *substep)
 {
     const PercaleSolverDef *def = &substep->solver->def;
@@ -354,7 +371,7 @@ static PercaleResult run_substep(Substep *substep)
         bool pass = is_pass_due(def, sweep);
         if (pass || first) {
             result = detect_contacts(substep, pass);
-            result = result == PERCALE_OK ? color(substep) : result;
+            result = result == PERCALE_OK ? color(substep, pass) : result;
         }
         uint64_t next = sweep + 1;
         while (next < end && !is_pass_due(def, next)) {
@@ -431,6 +448,7 @@ void percale_run_substeps(PercaleTeam *team, void *context)
                            substeps->good,
                            (float)(substeps->seconds / count),
                            (double)(substeps->good + 1) / (double)count,
+                           has_pass(&solver->def, substeps->good),
                            percale_seconds()};
         percale_arena_reset(&solver->arena);
         substeps->result = run_substep(&substep);

@@ -86,7 +86,8 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     if (proximity->clearance[slot] - motion > reach) {
         return IDLE;
     }
-    if (proximity->side[slot] != 0) {
+    int side = proximity->side[slot];
+    if (side != 0 && (side != OUTSIDE_BY_BOUND || !pair->is_pass_due)) {
         return ACTIVE_KNOWN;
     }
     Vec3 point = vec3_of(model->position[slot]);

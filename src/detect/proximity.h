@@ -12,6 +12,9 @@
 
 #include "detect/surface.h"
 
+/// A side: outside for certain, though clearance is only a bound. Enough where no contacts are made.
+enum { OUTSIDE_BY_BOUND = 2 };
+
 /// What the search for contacts saw of the obstacle from an active vertex's predicted position, at the end
 /// pose.
 typedef struct PercaleSighting {
@@ -24,8 +27,8 @@ typedef struct PercaleProximity {
     PercaleTree tree;
     float *clearance;  // [slot_count] m; distance or a lower bound of it
     uint32_t *nearest; // [slot_count] nearest triangle when last computed, NO_TRIANGLE
-    int8_t
-        *side; // [slot_count] side at the start of this substep: +1, -1; 0: not known, clearance is a bound
+    int8_t *side; // [slot_count] at the start of this substep: +1, -1; 0: not known, clearance is a bound;
+                  // OUTSIDE_BY_BOUND
     uint8_t *is_active; // [slot_count] in this substep
     uint32_t *active;   // [active_count] the same as a list of slots, ascending
     uint32_t active_count;
@@ -41,6 +44,7 @@ typedef struct PercalePair {
     const PercaleModel *model;
     const PercaleModelObstacle *obstacle;
     float later_substeps; // after this one, until contacts are found anew
+    bool is_pass_due;     // in this substep
 } PercalePair;
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,

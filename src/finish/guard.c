@@ -122,8 +122,7 @@ static bool pass_by_bound(const PercaleGuardStage *stage, uint32_t slot, const P
     }
     proximity->clearance[slot] = clearance;
     proximity->nearest[slot] = seen ? sighting->nearest : proximity->nearest[slot];
-    proximity->side[slot] =
-        seen ? 1 : 0; // what was not seen is searched for anew, and farther, when it comes near
+    proximity->side[slot] = seen ? 1 : OUTSIDE_BY_BOUND;
     return true;
 }
 

@@ -13,8 +13,8 @@ static inline void project(const PercaleSolveArrays *arrays, const uint32_t *anc
     f32x8 length2 = dot3_pairs(between, between);
     i32x8 taut = (length2 > limit * limit) & (SPREAD(x, 3) > all8(0.0f));
     if (lane_bits(taut) != 0) {
-        x -= between * where8(taut, all8(1.0f) - limit / sqrt8(length2));
-        store_two(arrays->x + slot, x, count);
+        f32x8 held = x - between * (all8(1.0f) - limit / sqrt8(length2));
+        store_two(arrays->x + slot, select8(taut, held, x), count);
     }
 }
 
