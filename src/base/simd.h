@@ -38,10 +38,50 @@ static inline f32x4 with_w(f32x4 a, float w)
     return a;
 }
 
+// Without AVX gcc compares eight lanes one by one; in halves it doesn't.
+#if defined(__AVX__)
+#define COMPARE8(a, operator, b) return a operator b
+#else
+typedef int32_t i32x4 __attribute__((vector_size(16)));
+typedef union WideHalves {
+    f32x8 whole;
+    i32x8 mask;
+    f32x4 half[2];
+    i32x4 half_mask[2];
+} WideHalves;
+
+#define COMPARE8(a, operator, b)                                                                    \
+    WideHalves left = {.whole = (a)};                                                               \
+    WideHalves right = {.whole = (b)};                                                              \
+    WideHalves mask = {                                                                             \
+        .half_mask = {left.half[0] operator right.half[0], left.half[1] operator right.half[1] } }; \
+    return mask.mask
+#endif
+
+static inline i32x8 greater8(f32x8 a, f32x8 b)
+{
+    COMPARE8(a, >, b);
+}
+
+static inline i32x8 at_most8(f32x8 a, f32x8 b)
+{
+    COMPARE8(a, <=, b);
+}
+
+static inline i32x8 differs8(f32x8 a, f32x8 b)
+{
+    COMPARE8(a, !=, b);
+}
+
+static inline f32x8 all8(float a)
+{
+    return (f32x8){a, a, a, a, a, a, a, a};
+}
+
 /// Larger of two, by component; for numbers only.
 static inline f32x8 max8(f32x8 a, f32x8 b)
 {
-    i32x8 mask = a > b;
+    i32x8 mask = greater8(a, b);
     return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
 }
 
@@ -50,6 +90,10 @@ static inline uint32_t lane_bits(i32x8 mask)
 {
 #if defined(__AVX__)
     return (uint32_t)__builtin_ia32_movmskps256((f32x8)mask);
+#elif defined(__SSE2__)
+    WideHalves halves = {.mask = mask};
+    return (uint32_t)__builtin_ia32_movmskps(halves.half[0]) |
+           (uint32_t)__builtin_ia32_movmskps(halves.half[1]) << 4;
 #else
     uint32_t bits = 0;
     for (uint32_t k = 0; k < 8; k++) {

@@ -47,11 +47,6 @@ static inline f32x8 sqrt8(f32x8 a)
 
 #else
 
-typedef union WideHalves {
-    f32x8 whole;
-    f32x4 half[2];
-} WideHalves;
-
 static inline f32x8 pair_of_points(f32x4 low, f32x4 high)
 {
     WideHalves halves = {.half = {low, high}};
@@ -105,11 +100,6 @@ static inline void store8(float *values, f32x8 wide)
     __builtin_memcpy(values, &wide, sizeof(wide));
 }
 
-static inline f32x8 all8(float a)
-{
-    return (f32x8){a, a, a, a, a, a, a, a};
-}
-
 /// `count` (1 or 2) consecutive points; one alone stands in both halves.
 static inline f32x8 load_two(const f32x4 points[], uint32_t count)
 {
@@ -134,7 +124,7 @@ static inline f32x8 spread_two(float low, float high)
 /// Set where a component is NaN or infinite.
 static inline i32x8 not_finite8(f32x8 a)
 {
-    return (a - a) != all8(0.0f);
+    return differs8(a - a, all8(0.0f));
 }
 
 /// a where the mask is set, else 0.

@@ -57,7 +57,7 @@ static uint32_t push_near_children(PercaleTreeEntry *stack, uint32_t size, Perca
 {
     uint32_t chosen[TREE_WIDTH];
     uint32_t count = 0;
-    for (uint32_t bits = lane_bits(distance2 <= limit); bits != 0; bits &= bits - 1) {
+    for (uint32_t bits = lane_bits(at_most8(distance2, all8((float)limit))); bits != 0; bits &= bits - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(bits);
         uint32_t at = count++;
         for (; at > 0 && distance2[chosen[at - 1]] < distance2[k]; at--) {
@@ -92,8 +92,9 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
                                       box_limit(best.closest.distance2, rounding));
             continue;
         }
-        for (uint32_t bits = lane_bits(distance2 <= box_limit(best.closest.distance2, rounding)); bits != 0;
-             bits &= bits - 1) {
+        for (uint32_t bits =
+                 lane_bits(at_most8(distance2, all8(box_limit(best.closest.distance2, rounding))));
+             bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (distance2[k] <=
                 box_limit(best.closest.distance2, rounding)) { // the limit may have shrunk since
@@ -131,7 +132,8 @@ bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double ra
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
         f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
-        for (uint32_t bits = lane_bits(distance2 <= limit); bits != 0; bits &= bits - 1) {
+        for (uint32_t bits = lane_bits(at_most8(distance2, all8((float)limit))); bits != 0;
+             bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (entry.level > 0) {
                 stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
@@ -350,7 +352,7 @@ static i32x8 overlaps(const PercaleTreeNode *node, f32x4 low, f32x4 high)
 {
     i32x8 all = ~(i32x8){0};
     for (int axis = 0; axis < 3; axis++) {
-        all &= (node->low[axis] <= high[axis]) & (node->high[axis] >= low[axis]);
+        all &= at_most8(node->low[axis], all8(high[axis])) & at_most8(all8(low[axis]), node->high[axis]);
     }
     return all;
 }

@@ -2,7 +2,7 @@
 
 #include "model/geodesic.h"
 
-static const float SLACK = 1.001f; // of a tether's length: what the way along the mesh may be too short by
+static const float SLACK = 1.0002f; // of a tether's length: what the way along the mesh may be too short by
 
 /// The pinned slots, island after island.
 typedef struct Islands {

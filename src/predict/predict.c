@@ -45,11 +45,11 @@ typedef struct Predict {
 static f32x8 limit_speed(f32x8 velocity, float speed_max)
 {
     f32x8 speed2 = dot3_pairs(velocity, velocity);
-    if (lane_bits(speed2 > all8(speed_max * speed_max)) == 0) {
+    if (lane_bits(greater8(speed2, all8(speed_max * speed_max))) == 0) {
         return velocity;
     }
     f32x8 speed = sqrt8(speed2);
-    return select8(speed > all8(speed_max), velocity * (all8(speed_max) / speed), velocity);
+    return select8(greater8(speed, all8(speed_max)), velocity * (all8(speed_max) / speed), velocity);
 }
 
 /// One or two vertices from `slot` on. Returns what of them is not finite.
@@ -64,7 +64,7 @@ static inline i32x8 predict_vertices(const Predict *predict, uint32_t slot, uint
         velocity += pair_of_points(wind_push(stage, slot), wind_push(stage, slot + count - 1));
     }
     velocity = limit_speed(without_w(velocity * stage->damping), stage->speed_max);
-    velocity = where8(SPREAD(x, 3) > all8(0.0f), velocity);
+    velocity = where8(greater8(SPREAD(x, 3), all8(0.0f)), velocity);
     x += velocity * stage->dt;
     store_two(model->next_velocity + slot, velocity, count);
     store_two(model->predicted + slot, x, count);

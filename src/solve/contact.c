@@ -85,7 +85,7 @@ static inline f32x8 friction_after(const PercaleSolveArrays *arrays, const Gathe
     f32x8 size = sqrt8(dot3_pairs(wanted, wanted));
     f32x8 most =
         spread_two(gathered->stencils[0]->friction, gathered->stencils[1]->friction) * normal_multiplier;
-    return select8(size > most, wanted * (most / size), wanted);
+    return select8(greater8(size, most), wanted * (most / size), wanted);
 }
 
 static inline void project(const PercaleSolveArrays *arrays, PercaleStencil *low, PercaleStencil *high)
@@ -95,7 +95,8 @@ static inline void project(const PercaleSolveArrays *arrays, PercaleStencil *low
     f32x8 before = SPREAD(multiplier, 3);
     f32x8 wanted = before - constraint(&gathered) / gathered.weight;
     f32x8 after = max8(wanted, all8(0.0f)); // lambda_n >= 0: contact pushes, never pulls
-    i32x8 acts = (gathered.weight > all8(0.0f)) & ((after > all8(0.0f)) | (before > all8(0.0f)));
+    i32x8 acts =
+        greater8(gathered.weight, all8(0.0f)) & (greater8(after, all8(0.0f)) | greater8(before, all8(0.0f)));
     if (lane_bits(acts) == 0) {
         return;
     }

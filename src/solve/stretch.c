@@ -82,7 +82,8 @@ static inline void project(const PercaleSolveArrays *arrays, uint32_t first, uin
         excess -= alpha * multiplier;
     }
     f32x8 divisor = length * weight;
-    f32x8 change = where8(divisor > all8(0.0f), excess / divisor); // 0: no direction, or nothing to move
+    f32x8 change =
+        where8(greater8(divisor, all8(0.0f)), excess / divisor); // 0: no direction, or nothing to move
     if (compliant) {
         store_values(arrays->edge_multipliers + first, multiplier + change * length, count);
     }

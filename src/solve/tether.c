@@ -11,7 +11,7 @@ static inline void project(const PercaleSolveArrays *arrays, const uint32_t *anc
     f32x8 limit = spread_two(lengths[slot], lengths[last]);
     f32x8 between = without_w(x - anchor);
     f32x8 length2 = dot3_pairs(between, between);
-    i32x8 taut = (length2 > limit * limit) & (SPREAD(x, 3) > all8(0.0f));
+    i32x8 taut = greater8(length2, limit * limit) & greater8(SPREAD(x, 3), all8(0.0f));
     if (lane_bits(taut) != 0) {
         f32x8 held = x - between * (all8(1.0f) - limit / sqrt8(length2));
         store_two(arrays->x + slot, select8(taut, held, x), count);
