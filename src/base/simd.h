@@ -24,10 +24,10 @@ static inline float length3(f32x4 a)
     return sqrtf(dot3(a, a));
 }
 
-/// x, y and z are numbers: x - x is 0 for these alone, and its sum NaN else.
+/// x, y and z are numbers: 0 times each is 0, and not a number else.
 static inline int is_finite3(f32x4 x)
 {
-    f32x4 zero = x - x;
+    f32x4 zero = x * 0.0f;
     return (zero[0] + zero[1]) + zero[2] == 0.0f;
 }
 

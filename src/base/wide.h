@@ -124,7 +124,7 @@ static inline f32x8 spread_two(float low, float high)
 /// Set where a component is NaN or infinite.
 static inline i32x8 not_finite8(f32x8 a)
 {
-    return differs8(a - a, all8(0.0f));
+    return differs8(a * all8(0.0f), all8(0.0f));
 }
 
 /// a where the mask is set, else 0.

@@ -50,7 +50,7 @@ static void permute(const Column *column, void *scratch, const uint32_t *order, 
 
 static void permute_all(const Table *table, void *scratch, const uint32_t *order)
 {
-    for (int c = 0; c < table->column_count; c++) {
+    for (int c = 0; table->count > 0 && c < table->column_count; c++) {
         permute(&table->columns[c], scratch, order, table->count);
     }
 }

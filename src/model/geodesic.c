@@ -95,7 +95,7 @@ static double through_side(double ab, double bc, double ca, double da, double db
     double crossing = height > 0.0 ? source_x + (c_x - source_x) * source_y / height : source_x;
     double slack = 1e-6 * ab; // a line along a side may pass it on either hand
     if (!(crossing >= -slack && crossing <= ab + slack)) {
-        return INFINITY;
+        return (double)INFINITY;
     }
     return sqrt((c_x - source_x) * (c_x - source_x) + height * height);
 }
