@@ -7,6 +7,7 @@
 #include "state/digest.h"
 #include "state/validate.h"
 
+#include <assert.h>
 #include <string.h>
 
 // ---- names ----
@@ -193,8 +194,9 @@ PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver
 {
     PercaleMessage message = {{0}};
     PercaleResult result = check_def(&def, &message);
-    *solver = result == PERCALE_OK ? allocate_solver(&def) : NULL;
-    if (result == PERCALE_OK && *solver == NULL) {
+    PercaleSolver *created = result == PERCALE_OK ? allocate_solver(&def) : NULL;
+    *solver = created;
+    if (result == PERCALE_OK && created == NULL) {
         result = percale_fail_memory(&message);
     }
     if (result != PERCALE_OK) {
@@ -203,10 +205,11 @@ PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver
         }
         return result;
     }
-    (*solver)->def = def;
-    (*solver)->def.passes = def.passes == 0 ? def.substeps : def.passes;
-    (*solver)->engine = percale_engine_for(def.isa);
-    (*solver)->def.isa = (*solver)->engine->isa;
+    assert(created != NULL);
+    created->def = def;
+    created->def.passes = def.passes == 0 ? def.substeps : def.passes;
+    created->engine = percale_engine_for(def.isa);
+    created->def.isa = created->engine->isa;
     return PERCALE_OK;
 }
 

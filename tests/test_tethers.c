@@ -76,11 +76,11 @@ static void open_geodesic(Geodesic *geodesic, PercaleMesh mesh)
 {
     *geodesic = (Geodesic){.allocator = percale_allocator_default(), .mesh = mesh};
     geodesic->memory.allocator = &geodesic->allocator;
-    geodesic->lengths = malloc(mesh.triangle_count * sizeof(geodesic->lengths[0]));
+    geodesic->lengths = malloc((mesh.triangle_count + 1) * sizeof(geodesic->lengths[0]));
     geodesic->first_triangle = malloc((mesh.vertex_count + 1) * sizeof(uint32_t));
-    geodesic->triangles_around = malloc(3 * (size_t)mesh.triangle_count * sizeof(uint32_t));
-    geodesic->distances = malloc(mesh.vertex_count * sizeof(float));
-    geodesic->nearest = malloc(mesh.vertex_count * sizeof(uint32_t));
+    geodesic->triangles_around = malloc((3 * (size_t)mesh.triangle_count + 1) * sizeof(uint32_t));
+    geodesic->distances = malloc((mesh.vertex_count + 1) * sizeof(float));
+    geodesic->nearest = malloc((mesh.vertex_count + 1) * sizeof(uint32_t));
     if (geodesic->lengths == NULL || geodesic->first_triangle == NULL || geodesic->triangles_around == NULL ||
         geodesic->distances == NULL || geodesic->nearest == NULL) {
         ck_abort_msg("no memory");

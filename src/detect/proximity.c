@@ -86,7 +86,7 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     if (proximity->clearance[slot] - motion > reach) {
         return IDLE;
     }
-    int side = proximity->side[slot];
+    int8_t side = proximity->side[slot];
     if (side != 0 && (side != OUTSIDE_BY_BOUND || !pair->is_pass_due)) {
         return ACTIVE_KNOWN;
     }

@@ -56,7 +56,10 @@ static PercaleResult check_batches(const PercaleModel *model, const Constraints 
 {
     const PercaleBatches *batches = constraints->batches;
     uint32_t *met = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
-    PercaleResult result = met == NULL ? percale_fail_memory(message) : PERCALE_OK;
+    if (met == NULL) {
+        return percale_fail_memory(message);
+    }
+    PercaleResult result = PERCALE_OK;
     for (uint32_t run = 0; constraints->offsets != NULL && run < batches->run_count; run++) {
         for (uint32_t i = batches->run_first[run]; result == PERCALE_OK && i < batches->run_first[run + 1];
              i++) {
