@@ -7,7 +7,6 @@
 #include "state/digest.h"
 #include "state/validate.h"
 
-#include <assert.h>
 #include <string.h>
 
 // ---- names ----
@@ -199,13 +198,12 @@ PercaleResult percale_solver_create(PercaleSolverDef def, PercaleSolver **solver
     if (result == PERCALE_OK && created == NULL) {
         result = percale_fail_memory(&message);
     }
-    if (result != PERCALE_OK) {
+    if (created == NULL) {
         if (def.size == sizeof(def) && def.log != NULL) {
             def.log(def.log_user, message.text);
         }
         return result;
     }
-    assert(created != NULL);
     created->def = def;
     created->def.passes = def.passes == 0 ? def.substeps : def.passes;
     created->engine = percale_engine_for(def.isa);

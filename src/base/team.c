@@ -13,7 +13,9 @@ static const double MUCH_WAITING = 0.15; // share of a region's time that its le
 
 enum {
     LONGEST_PAUSE = 15, // openings
-    SPINS = 2000,       // some microseconds: longer than a small phase, far shorter than a scheduler's slice
+    PATIENCE =
+        100,      // spins before chunks are taken from a thread that is late: it has the points in its cache
+    SPINS = 2000, // some microseconds: longer than a small phase, far shorter than a scheduler's slice
     CACHE_LINE = 64
 };
 
@@ -85,13 +87,22 @@ static bool run_chunk(PercaleTeam *team, int share)
     return true;
 }
 
-/// Runs what is left of the phase, the own share first. Returns the number of chunks.
-static uint32_t run_chunks(PercaleTeam *team, int thread)
+/// Runs what is left of the own share. Returns the number of chunks.
+static uint32_t run_own_chunks(PercaleTeam *team, int thread)
 {
     uint32_t done = 0;
-    for (int i = 0; i < team->size; i++) {
-        int share = (thread + i) % team->size;
-        while (run_chunk(team, share)) {
+    while (run_chunk(team, thread)) {
+        done++;
+    }
+    return done;
+}
+
+/// Runs what is left of all other shares: their owners are late. Returns the number of chunks.
+static uint32_t run_other_chunks(PercaleTeam *team, int thread)
+{
+    uint32_t done = 0;
+    for (int i = 1; i < team->size; i++) {
+        while (run_chunk(team, (thread + i) % team->size)) {
             done++;
         }
     }
@@ -135,16 +146,25 @@ static void open_next(PercaleTeam *team)
     next_turn(team);
 }
 
-/// Waits until the turn is another one. Returns how long it took beyond the spins, s.
-static double wait_turn(PercaleTeam *team, uint32_t turn)
+/// Spins until the turn is another one; false when that takes too long.
+static bool spin_turn(PercaleTeam *team, uint32_t turn, int spins)
 {
-    for (int spin = 0; spin < SPINS; spin++) {
+    for (int spin = 0; spin < spins; spin++) {
         if (atomic_load_explicit(&team->turn, memory_order_acquire) != turn) {
-            return 0.0;
+            return true;
         }
 #if defined(__SSE2__)
         __builtin_ia32_pause();
 #endif
+    }
+    return false;
+}
+
+/// Waits until the turn is another one. Returns how long it took beyond the spins, s.
+static double wait_turn(PercaleTeam *team, uint32_t turn)
+{
+    if (spin_turn(team, turn, SPINS)) {
+        return 0.0;
     }
     double since = percale_seconds();
     while (atomic_load_explicit(&team->turn, memory_order_acquire) == turn) {
@@ -153,19 +173,29 @@ static double wait_turn(PercaleTeam *team, uint32_t turn)
     return percale_seconds() - since;
 }
 
+static void finish_chunks(PercaleTeam *team, uint32_t done)
+{
+    if (atomic_fetch_sub_explicit(&team->unfinished, done, memory_order_acq_rel) == done) {
+        open_next(team);
+    }
+}
+
 /// Runs chunks as they come, until `stop` is set. Returns how long it has waited beyond the spins, s.
 static double work_until(PercaleTeam *team, int thread, const atomic_bool *stop)
 {
     double waited = 0.0;
     while (!atomic_load_explicit(stop, memory_order_acquire)) {
         uint32_t turn = atomic_load_explicit(&team->turn, memory_order_acquire);
-        uint32_t done = run_chunks(team, thread);
-        if (done == 0) {
-            if (!atomic_load_explicit(stop, memory_order_acquire)) {
+        uint32_t done = run_own_chunks(team, thread);
+        if (done > 0) {
+            finish_chunks(team, done);
+        } else if (!spin_turn(team, turn, PATIENCE)) {
+            done = run_other_chunks(team, thread);
+            if (done > 0) {
+                finish_chunks(team, done);
+            } else if (!atomic_load_explicit(stop, memory_order_acquire)) {
                 waited += wait_turn(team, turn);
             }
-        } else if (atomic_fetch_sub_explicit(&team->unfinished, done, memory_order_acq_rel) == done) {
-            open_next(team);
         }
     }
     return waited;

@@ -7,9 +7,10 @@
 //     phase -> chunk -> range
 //
 // Each thread has its own contiguous share of the chunks, so that from phase to phase it finds the same
-// points in its cache, and takes chunks of others when its own are done. So nobody waits for a thread that is
-// not running, unless that thread holds a chunk; waiting is a short spin and then yields. libgomp's own
-// barrier spins away whole scheduler slices when another process is busy on the machine.
+// points in its cache; when its own are done and a moment later others are left, it takes those. So nobody
+// waits for a thread that is not running, unless that thread holds a chunk; waiting is a short spin and then
+// yields. libgomp's own barrier spins away whole scheduler slices when another process is busy on the
+// machine.
 //
 // Which thread runs a chunk must not matter: the ranges, not the team, decide what is computed.
 
