@@ -6,7 +6,7 @@
 #include "percale/scene.h"
 #include "testing.h"
 
-enum { SIZE = PERCALE_SANITIZED ? 500 : 2500, FRAMES = PERCALE_SANITIZED ? 2 : 4 };
+enum { SIZE = PERCALE_SANITIZED ? 1000 : 2500, FRAMES = PERCALE_SANITIZED ? 2 : 4 };
 
 /// State hash after some frames of a scene that the benchmark measures, at a smaller size.
 static uint64_t hash_of(const BenchScene *entry, const char *isa, int thread_count)
