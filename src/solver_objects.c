@@ -74,7 +74,7 @@ static PercaleResult check_triangles(PercaleSolver *solver, const char *what, co
     for (size_t i = 0; i < solver->objects.obstacle_count; i++) {
         vertex_total += solver->objects.obstacles[i].vertex_count;
     }
-    if (vertex_total > UINT32_MAX / 8 || triangle_total > UINT32_MAX / 8) { // all indices are 32-bit
+    if (vertex_total > POINTS_MAX || triangle_total > UINT32_MAX / 8) { // all indices are 32-bit
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT, "%s is too large", what);
     }
     for (uint32_t t = 0; t < triangle_count; t++) {

@@ -49,6 +49,31 @@ static inline float random_float(uint64_t *seed, double low, double high)
     return (float)(low + (high - low) * percale_test_random(seed));
 }
 
+static inline uint32_t random_below(uint64_t *seed, uint32_t limit)
+{
+    return (uint32_t)(percale_test_random(seed) * limit);
+}
+
+/// For what == can't tell: NaNs and the sign of zeros.
+static inline bool same_bits(const void *a, const void *b, size_t size)
+{
+    return size == 0 || memcmp(a, b, size) == 0;
+}
+
+/// Mostly a metre and less, sometimes exactly on an axis, from either side.
+static inline f32x4 place_of(uint64_t *seed)
+{
+    f32x4 x = {random_float(seed, -1.0, 1.0), random_float(seed, -1.0, 1.0), random_float(seed, -1.0, 1.0),
+               random_float(seed, 0.1, 10.0)};
+    if (percale_test_random(seed) < 0.3) {
+        x[random_below(seed, 3)] = percale_test_random(seed) < 0.7 ? -0.0f : 0.0f;
+    }
+    if (percale_test_random(seed) < 0.2) {
+        x[3] = 0.0f;
+    }
+    return x;
+}
+
 /// Four points about a metre apart, every fourth of them immovable; the rest weigh 0.1 to 10 kg.
 static inline void random_points(uint64_t *seed, f32x4 x[POINTS])
 {

@@ -23,11 +23,6 @@ typedef struct Bench {
     PercaleBatches edges, hinges, contacts;
 } Bench;
 
-static bool same_bits(const void *a, const void *b, size_t size)
-{
-    return size == 0 || memcmp(a, b, size) == 0;
-}
-
 // ---- scenes ----
 
 static PercaleCloth add_cloth(PercaleSolver *solver, const PercaleMesh *mesh, float compliance)

@@ -87,7 +87,7 @@ typedef struct PercaleModel {
 
 /// Byte offset of a slot's point, which is how kernels address it (it saves a shift for each point). So there
 /// are at most POINTS_MAX points.
-enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = 1 << 28 };
+enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = (1 << 28) - 1 };
 
 static inline uint32_t slot_at(uint32_t offset)
 {

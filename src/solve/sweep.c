@@ -1,7 +1,7 @@
 #include "solve/sweep.h"
 
 enum {
-    GRAIN_EDGES = 256,    // constraints per chunk: 1 to 2 us
+    GRAIN_EDGES = 256,    // constraints per chunk: half a microsecond
     GRAIN_HINGES = 128,   // a multiple of WIDE, so that blocks are the same for any number of chunks
     GRAIN_TETHERS = 1024, // slots
     GRAIN_CONTACTS = 128,
@@ -17,8 +17,7 @@ typedef struct Kind {
 
 // ---- ranges ----
 
-/// Constraints of one run, or of several short ones, one after the other: `first` and `end` count
-/// constraints.
+/// Constraints of one run: `first` and `end` count constraints (slots, for tethers).
 static void run_constraints(void *context, uint32_t first, uint32_t end)
 {
     const Kind *kind = context;
@@ -57,7 +56,7 @@ static void run_tiles(void *context, uint32_t first, uint32_t end)
 
 typedef struct Program {
     PercalePhase *phases;
-    size_t count, capacity;
+    size_t count;
 } Program;
 
 static void add_phase(Program *program, PercaleRange *run, void *context, uint32_t first, uint32_t end,
@@ -100,7 +99,7 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
     Kind seams = {arrays, NULL, percale_solve_seam, UINT32_MAX}; // one chunk: they may share vertices
     Tiles tiles = {&hinges, &edges};
     size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count + 3;
-    Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0, most};
+    Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0};
     if (program.phases == NULL) {
         return false;
     }
