@@ -147,6 +147,8 @@ START_TEST(an_unusable_cloth_is_refused)
     PERCALE_NO_CLOTH(scene, def.vertex_count, 0, "empty");
     PERCALE_NO_CLOTH(scene, def.triangle_count, 0, "empty");
     PERCALE_NO_CLOTH(scene, def.triangle_count, UINT32_MAX / 2, "scarf");
+    PERCALE_NO_CLOTH(scene, def.vertex_count, (1u << 28) - 1,
+                     "scarf is too large"); // with those that are there
     PERCALE_NO_CLOTH(scene, def.position_stride, 4, "stride");
     PERCALE_NO_CLOTH(scene, def.material.density, 0.0f, "scarf: density");
     PERCALE_NO_CLOTH(scene, def.material.density, NAN, "scarf: density");
@@ -185,6 +187,7 @@ START_TEST(an_unusable_obstacle_is_refused)
     PERCALE_NO_OBSTACLE(scene, positions, NULL, "box");
     PERCALE_NO_OBSTACLE(scene, triangles, NULL, "box");
     PERCALE_NO_OBSTACLE(scene, vertex_count, 7, "box: triangle");
+    PERCALE_NO_OBSTACLE(scene, vertex_count, (1u << 28) - 1, "box is too large");
     PERCALE_NO_OBSTACLE(scene, friction, -1.0f, "friction");
     PERCALE_NO_OBSTACLE(scene, thickness, NAN, "thickness");
     PERCALE_NO_OBSTACLE(scene, size, 1, "percale_obstacle_def_default");

@@ -287,17 +287,24 @@ static uint32_t bend_interval(float stiffness, int substeps, uint64_t *projectio
     return interval;
 }
 
-START_TEST(stiff_bending_acts_in_every_substep_and_soft_bending_at_a_divisor)
+START_TEST(the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_substeps)
 {
     uint64_t projections;
-    ck_assert_uint_eq(bend_interval(1.0f, 20, &projections), 1);
-    ck_assert_uint_eq(projections, 20);
-    ck_assert_uint_eq(bend_interval(1e-9f, 20, &projections), 4);
-    ck_assert_uint_eq(projections, 5);
-    ck_assert_uint_eq(bend_interval(1e-9f, 15, &projections), 3);
-    ck_assert_uint_eq(projections, 5);
-    ck_assert_uint_eq(bend_interval(1e-9f, 7, &projections), 1);
-    ck_assert_uint_eq(projections, 7);
+    for (int substeps = 15; substeps <= 20; substeps++) {
+        uint32_t previous = 1;
+        uint32_t between = 0; // stiffnesses with neither the least nor the largest interval
+        for (float stiffness = 1.0f; stiffness > 1e-10f; stiffness *= 0.5f) {
+            uint32_t interval = bend_interval(stiffness, substeps, &projections);
+            ck_assert_uint_eq((uint32_t)substeps % interval, 0);
+            ck_assert_uint_eq(projections, (uint32_t)substeps / interval);
+            ck_assert_uint_ge(interval, previous);
+            ck_assert(stiffness < 1.0f || interval == 1);
+            between += interval > 1 && interval < (uint32_t)substeps;
+            previous = interval;
+        }
+        ck_assert_uint_eq(previous, (uint32_t)substeps);
+        ck_assert(substeps == 17 || substeps == 19 || between > 0); // primes
+    }
 }
 END_TEST
 
@@ -342,7 +349,7 @@ int main(void)
     tcase_add_test(tethers, a_cloth_that_may_stretch_and_one_without_pins_have_none);
     suite_add_tcase(suite, tethers);
     TCase *bending = tcase_create("bending");
-    tcase_add_test(bending, stiff_bending_acts_in_every_substep_and_soft_bending_at_a_divisor);
+    tcase_add_test(bending, the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_substeps);
     tcase_add_test(bending, bending_at_an_interval_is_as_strong_as_the_substeps_it_stands_for);
     suite_add_tcase(suite, bending);
     return percale_test_run(suite);

@@ -144,6 +144,16 @@ static inline f32x8 without_w(f32x8 pair)
     return where8((i32x8){-1, -1, -1, 0, -1, -1, -1, 0}, pair);
 }
 
+/// The product by component, with both fourth components 0.
+static inline f32x8 product3(f32x8 a, f32x8 b)
+{
+#if defined(__AVX512VL__)
+    return (f32x8)_mm256_maskz_mul_ps(0x77, (__m256)a, (__m256)b);
+#else
+    return without_w(a * b);
+#endif
+}
+
 /// Dot products of the first three components of two pairs, each in all four places of its half.
 static inline f32x8 dot3_pairs(f32x8 a, f32x8 b)
 {
@@ -165,6 +175,19 @@ static inline WidePoints transpose_pairs(const f32x8 pairs[4])
     return (WidePoints){SHUFFLE_HALVES(xy_low, xy_high, 0, 1, 4, 5),
                         SHUFFLE_HALVES(xy_low, xy_high, 2, 3, 6, 7),
                         SHUFFLE_HALVES(zw_low, zw_high, 0, 1, 4, 5)};
+}
+
+/// Back: eight points, given by component, as four pairs.
+static inline void transpose_points(const WidePoints *points, f32x8 w, f32x8 pairs[4])
+{
+    f32x8 xy_low = SHUFFLE_HALVES(points->x, points->y, 0, 4, 1, 5);
+    f32x8 xy_high = SHUFFLE_HALVES(points->x, points->y, 2, 6, 3, 7);
+    f32x8 zw_low = SHUFFLE_HALVES(points->z, w, 0, 4, 1, 5);
+    f32x8 zw_high = SHUFFLE_HALVES(points->z, w, 2, 6, 3, 7);
+    pairs[0] = SHUFFLE_HALVES(xy_low, zw_low, 0, 1, 4, 5);
+    pairs[1] = SHUFFLE_HALVES(xy_low, zw_low, 2, 3, 6, 7);
+    pairs[2] = SHUFFLE_HALVES(xy_high, zw_high, 0, 1, 4, 5);
+    pairs[3] = SHUFFLE_HALVES(xy_high, zw_high, 2, 3, 6, 7);
 }
 
 /// The fourth components of eight points.

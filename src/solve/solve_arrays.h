@@ -48,7 +48,7 @@ PercaleKernel percale_solve_seam;
 PercaleKernel percale_solve_contact;
 
 /// Every how many substeps bending needs to act, then that many times as strong (an impulse, as in multiple
-/// time stepping: Tuckerman et al. 1992): 1 where it is stiff, up to 4 where even so the fastest hinge turns
+/// time stepping: Tuckerman et al. 1992): 1 where it is stiff, up to 20 where even so the fastest hinge turns
 /// slowly. It divides substep_count.
 uint32_t percale_solve_bend_interval(const PercaleModel *model, float dt, uint32_t substep_count);
 

@@ -16,11 +16,10 @@ static inline void store_pair(f32x4 *x, const uint32_t (*edges)[2], uint32_t end
     *point_at(x, edges[k + 4][end]) = high_point(pair);
 }
 
-#define MOVE_PAIR(k)                                                            \
-    do {                                                                        \
-        f32x8 between = without_w(d[k]);                                        \
-        store_pair(x, block->edges, 0, a[k] + between * SPREAD(share_a, k), k); \
-        store_pair(x, block->edges, 1, b[k] - between * SPREAD(share_b, k), k); \
+#define MOVE_PAIR(k)                                                           \
+    do {                                                                       \
+        store_pair(x, edges, 0, a[k] + product3(d[k], SPREAD(share_a, k)), k); \
+        store_pair(x, edges, 1, b[k] - product3(d[k], SPREAD(share_b, k)), k); \
     } while (0)
 
 /// C = |xa - xb| - l;  dlambda = (-C - alpha lambda) / (wa + wb + alpha), alpha = compliance / dt^2. Pair k
@@ -60,6 +59,8 @@ __attribute__((always_inline)) static inline void project(f32x4 *x, float invers
     }
     f32x8 share_a = change * weight_a;
     f32x8 share_b = change * weight_b;
+    const uint32_t(*edges)[2] = block->edges;
+    __asm__("" : "+r"(edges)); // read anew: sixteen addresses don't fit into the registers
     MOVE_PAIR(0);
     MOVE_PAIR(1);
     MOVE_PAIR(2);
@@ -90,7 +91,8 @@ static void project_rest(const PercaleSolveArrays *arrays, uint32_t first, uint3
     }
 }
 
-static inline void project_all(const PercaleSolveArrays *arrays, uint32_t begin, uint32_t end, bool compliant)
+__attribute__((always_inline)) static inline void project_all(const PercaleSolveArrays *arrays,
+                                                              uint32_t begin, uint32_t end, bool compliant)
 {
     const PercaleModel *model = arrays->model;
     float inverse_dt2 = 1.0f / (arrays->dt * arrays->dt);

@@ -1,8 +1,12 @@
 #include "solve/solve_arrays.h"
 
-/// Eight slots from `slot` on; pair k holds slots k and k + 4. Of a short block the first is repeated.
+#include <stdbool.h>
+#include <string.h>
+
+/// Eight slots from `slot` on, by component; of a short block the first is repeated. Lane order: 0 .. 7.
 typedef struct Block {
-    f32x8 x[4];
+    WidePoints x;
+    f32x8 movable; // inverse masses
     uint32_t slot, count;
 } Block;
 
@@ -23,55 +27,84 @@ static inline f32x8 load_limits(const Block *block, const float *lengths)
     return limits;
 }
 
-#define SHORTEN(k)                                                             \
-    do {                                                                       \
-        f32x8 share = SPREAD(shares, k);                                       \
-        f32x8 held = block->x[k] - without_w(between[k]) * share;              \
-        block->x[k] = select8(greater8(share, all8(0.0f)), held, block->x[k]); \
-    } while (0)
+static inline bool are_equal(const uint32_t values[WIDE])
+{
+    i32x8 eight;
+    memcpy(&eight, values, sizeof(eight));
+    return lane_bits(eight != eight[0]) == 0;
+}
+
+/// The anchors of the block's slots; mostly it is one for all.
+static inline WidePoints load_anchors(const PercaleSolveArrays *arrays, const Block *block,
+                                      const uint32_t *anchors)
+{
+    if (block->count == WIDE && are_equal(anchors + block->slot)) {
+        f32x4 anchor = *point_at(arrays->x, anchors[block->slot]);
+        return (WidePoints){all8(anchor[0]), all8(anchor[1]), all8(anchor[2])};
+    }
+    f32x8 pairs[4];
+    for (uint32_t k = 0; k < 4; k++) {
+        pairs[k] = pair_of_points(*point_at(arrays->x, anchors[slot_of(block, k)]),
+                                  *point_at(arrays->x, anchors[slot_of(block, k + 4)]));
+    }
+    return transpose_pairs(pairs);
+}
 
 /// C = |x - anchor| - l <= 0; the anchor is a pin and doesn't move. One bit for each slot that has moved.
 static inline uint32_t project(const PercaleSolveArrays *arrays, Block *block, const uint32_t *anchors,
                                const float *lengths)
 {
-    f32x8 between[4];
-    for (uint32_t k = 0; k < 4; k++) {
-        f32x4 *low = point_at(arrays->x, anchors[slot_of(block, k)]);
-        f32x4 *high = point_at(arrays->x, anchors[slot_of(block, k + 4)]);
-        between[k] = block->x[k] - pair_of_points(*low, *high);
-    }
-    WidePoints d = transpose_pairs(between);
+    WidePoints *x = &block->x;
+    WidePoints anchor = load_anchors(arrays, block, anchors);
+    WidePoints d = {x->x - anchor.x, x->y - anchor.y, x->z - anchor.z};
     f32x8 length2 = (d.x * d.x + d.y * d.y) + d.z * d.z;
     f32x8 limit = load_limits(block, lengths);
-    i32x8 taut = greater8(length2, limit * limit);
-    if (lane_bits(taut) == 0) {
+    i32x8 taut = greater8(length2, limit * limit) & greater8(block->movable, all8(0.0f));
+    uint32_t moved = lane_bits(taut);
+    if (moved == 0) {
         return 0;
     }
-    taut &= greater8(transpose_w(block->x), all8(0.0f));
-    f32x8 shares = where8(taut, all8(1.0f) - limit / sqrt8(length2));
-    SHORTEN(0);
-    SHORTEN(1);
-    SHORTEN(2);
-    SHORTEN(3);
-    return lane_bits(taut);
+    f32x8 share = all8(1.0f) - limit / sqrt8(length2);
+    x->x = select8(taut, x->x - d.x * share, x->x);
+    x->y = select8(taut, x->y - d.y * share, x->y);
+    x->z = select8(taut, x->z - d.z * share, x->z);
+    return moved;
 }
 
-static inline void project_layers(const PercaleSolveArrays *arrays, uint32_t slot, uint32_t count)
+/// Pins are not even written: other threads read them.
+static inline void store_moved(f32x4 *x, const Block *block, uint32_t moved)
+{
+    f32x8 pairs[4];
+    transpose_points(&block->x, block->movable, pairs);
+    for (uint32_t k = 0; k < 4; k++) {
+        if ((moved >> k & 1) != 0) {
+            x[k] = low_point(pairs[k]);
+        }
+        if ((moved >> (k + 4) & 1) != 0) {
+            x[k + 4] = high_point(pairs[k]);
+        }
+    }
+}
+
+__attribute__((always_inline)) static inline void project_layers(const PercaleSolveArrays *arrays,
+                                                                 uint32_t slot, uint32_t count)
 {
     const PercaleModel *model = arrays->model;
     Block block = {.slot = slot, .count = count};
+    f32x8 pairs[4];
     for (uint32_t k = 0; k < 4; k++) {
-        block.x[k] = pair_of_points(arrays->x[slot_of(&block, k)], arrays->x[slot_of(&block, k + 4)]);
+        pairs[k] = pair_of_points(arrays->x[slot_of(&block, k)], arrays->x[slot_of(&block, k + 4)]);
     }
-    uint32_t moved = 0; // pins are not even written: other threads read them
+    block.x = transpose_pairs(pairs);
+    block.movable = transpose_w(pairs);
+    uint32_t moved = 0;
     for (uint32_t layer = 0; layer < model->tether_layers; layer++) {
         size_t first = (size_t)layer * model->slot_count;
         moved |= project(arrays, &block, model->tether_anchors + first, model->tether_lengths + first);
     }
     moved &= (1u << count) - 1;
-    for (; moved != 0; moved &= moved - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(moved);
-        arrays->x[slot + i] = i < 4 ? low_point(block.x[i]) : high_point(block.x[i - 4]);
+    if (moved != 0) {
+        store_moved(arrays->x + slot, &block, moved);
     }
 }
 
