@@ -198,4 +198,23 @@ static inline f32x8 transpose_w(const f32x8 pairs[4])
     return SHUFFLE_HALVES(low, high, 2, 3, 6, 7);
 }
 
+/// |a - b| of eight points each, as length3 computes it.
+static inline f32x8 distances8(const f32x4 a[], const f32x4 b[])
+{
+    f32x8 between[4];
+    for (uint32_t k = 0; k < 4; k++) {
+        between[k] = pair_of_points(a[k], a[k + 4]) - pair_of_points(b[k], b[k + 4]);
+    }
+    WidePoints d = transpose_pairs(between);
+    return sqrt8((d.x * d.x + d.y * d.y) + d.z * d.z);
+}
+
+/// Eight bytes at once: flags, sides.
+static inline uint64_t load_bytes8(const void *bytes)
+{
+    uint64_t eight;
+    __builtin_memcpy(&eight, bytes, sizeof(eight));
+    return eight;
+}
+
 #endif

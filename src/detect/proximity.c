@@ -1,6 +1,9 @@
 #include "detect/proximity.h"
 
+#include "base/wide.h"
+
 #include <stdatomic.h>
+#include <string.h>
 
 // How far beyond the reach a search looks, so that a vertex found far is not searched for again at once: a
 // share of the reach, and substeps of the present motion.
@@ -114,12 +117,24 @@ typedef struct Selection {
     PercaleProximity *proximity;
     const PercalePair *pair;
     const PercaleSurface *surface;
+    float thickest; // m; no cloth keeps a greater distance to the obstacle
     atomic_uint_fast64_t searches;
 } Selection;
 
-static void examine_range(void *context, uint32_t first, uint32_t end)
+/// Whether none of the eight slots can touch the obstacle, whatever its cloth: most of the time most can't.
+static bool are_idle(const Selection *selection, uint32_t slot)
 {
-    Selection *selection = context;
+    const uint64_t NEGATIVE = 0x8080808080808080u;
+    const PercaleProximity *proximity = selection->proximity;
+    const PercaleModel *model = selection->pair->model;
+    f32x8 motion = distances8(model->predicted + slot, model->position + slot) + proximity->motion;
+    f32x8 reach = motion * selection->pair->later_substeps + 2.0f * selection->thickest;
+    i32x8 far = greater8(load8(proximity->clearance + slot) - motion, reach);
+    return lane_bits(far) == 0xff && (load_bytes8(proximity->side + slot) & NEGATIVE) == 0;
+}
+
+static uint64_t examine_slots(const Selection *selection, uint32_t first, uint32_t end)
+{
     PercaleProximity *proximity = selection->proximity;
     uint64_t searches = 0;
     for (uint32_t slot = first; slot < end; slot++) {
@@ -127,7 +142,49 @@ static void examine_range(void *context, uint32_t first, uint32_t end)
         proximity->is_active[slot] = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
         searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
     }
+    return searches;
+}
+
+static void examine_range(void *context, uint32_t first, uint32_t end)
+{
+    Selection *selection = context;
+    uint64_t searches = 0;
+    uint32_t slot = first;
+    for (; slot + WIDE <= end; slot += WIDE) {
+        if (are_idle(selection, slot)) {
+            memset(selection->proximity->is_active + slot, 0, WIDE);
+        } else {
+            searches += examine_slots(selection, slot, slot + WIDE);
+        }
+    }
+    searches += examine_slots(selection, slot, end);
     atomic_fetch_add_explicit(&selection->searches, searches, memory_order_relaxed);
+}
+
+/// Lists the active slots.
+static void list_active(PercaleProximity *proximity, uint32_t slot_count)
+{
+    uint32_t count = 0;
+    uint32_t slot = 0;
+    while (slot < slot_count) {
+        if (slot + WIDE <= slot_count && load_bytes8(proximity->is_active + slot) == 0) {
+            slot += WIDE;
+            continue;
+        }
+        proximity->active[count] = slot;
+        count += proximity->is_active[slot];
+        slot++;
+    }
+    proximity->active_count = count;
+}
+
+static float thickest_of(const PercalePair *pair)
+{
+    float thickest = 0.0f;
+    for (uint32_t c = 0; c < pair->model->cloth_count; c++) {
+        thickest = fmaxf(thickest, pair->model->cloths[c].thickness);
+    }
+    return 0.5f * (thickest + pair->obstacle->thickness);
 }
 
 uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
@@ -135,13 +192,8 @@ uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair
 {
     enum { GRAIN_SLOTS = 512 };
     uint32_t slot_count = pair->model->slot_count;
-    Selection selection = {proximity, pair, surface, 0};
+    Selection selection = {proximity, pair, surface, thickest_of(pair), 0};
     percale_team_for(team, slot_count, GRAIN_SLOTS, examine_range, &selection);
-    uint32_t count = 0;
-    for (uint32_t slot = 0; slot < slot_count; slot++) {
-        proximity->active[count] = slot;
-        count += proximity->is_active[slot];
-    }
-    proximity->active_count = count;
+    list_active(proximity, slot_count);
     return selection.searches;
 }
