@@ -218,7 +218,7 @@ void percale_solver_destroy(PercaleSolver *solver)
     }
     percale_solver_release_model(solver);
     percale_objects_free(&solver->objects, &solver->object_memory);
-    percale_contacts_free(&solver->contact_scratch, &solver->detect_memory);
+    percale_collectors_free(&solver->collectors, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
     percale_batches_free(&solver->edges, &solver->color_memory);
     percale_batches_free(&solver->hinges, &solver->color_memory);

@@ -14,8 +14,8 @@
 #include "percale/percale.h"
 
 struct PercaleSolver {
-    PercaleContactScratch contact_scratch; // first: its parts are aligned to cache lines
-    PercaleSolverDef def;                  // passes resolved, isa resolved
+    PercaleCollectors collectors; // first: its parts are aligned to cache lines
+    PercaleSolverDef def;         // passes resolved, isa resolved
     PercaleAllocator allocator;
     PercaleMemory object_memory, model_memory, detect_memory, color_memory, solve_memory;
     const PercaleEngine *engine;

@@ -204,7 +204,7 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
         PercaleContactStage stage = {
             &pair, &solver->proximities[o], &at_end, solver->crossings[o], !pass, substep->dt, substep->team};
-        complete = percale_contacts_find(&stage, &solver->contact_scratch, &solver->detect_memory,
+        complete = percale_contacts_find(&stage, &solver->collectors, &solver->detect_memory,
                                          &solver->stencils, &solver->counters.candidates);
     }
     solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);

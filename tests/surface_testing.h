@@ -74,7 +74,7 @@ static inline void open_scene(Scene *scene, PercaleMesh mesh)
         ck_abort_msg("no memory for the points");
     }
     place_points(scene);
-    const PercaleModelObstacle *obstacle = &scene->model.obstacles[1];
+    const PercaleModelSurface *obstacle = &scene->model.obstacles[1];
     ck_assert(percale_tree_build(&scene->tree, obstacle->triangles, obstacle->triangle_count, scene->points,
                                  &scene->memory));
     scene->surface = (PercaleSurface){obstacle, &scene->tree, scene->points};

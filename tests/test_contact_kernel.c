@@ -11,7 +11,7 @@
 enum { TRIALS = 300 };
 
 typedef struct Contact {
-    PercaleModelObstacle obstacle;
+    PercaleModelSurface obstacle;
     uint32_t triangles[3];
     PercaleSurface surface;
     f32x4 x[POINTS]; // vertex, then the face

@@ -1,9 +1,5 @@
 #include "detect/contacts.h"
 
-#include "base/parallel.h"
-
-#include <string.h>
-
 // Below this share of the thickness a closest-point vector has no direction left, and the (pseudo)normal
 // stands in.
 static const double NO_DIRECTION = 1e-3;
@@ -57,15 +53,6 @@ static Visitor visit(const PercaleContactStage *stage, uint32_t index)
     return visitor;
 }
 
-static bool append(PercaleStencilList *list, PercaleMemory *memory, PercaleStencil stencil)
-{
-    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + 1, sizeof(stencil))) {
-        return false;
-    }
-    list->items[list->count++] = stencil;
-    return true;
-}
-
 static PercaleStencil make_stencil(const PercaleContactStage *stage, const Visitor *visitor,
                                    const PercaleFeature *feature, int side)
 {
@@ -84,24 +71,6 @@ static PercaleStencil make_stencil(const PercaleContactStage *stage, const Visit
         stencil.weights[1 + k] = -weights[k];
     }
     return stencil;
-}
-
-static void sort_by_feature(const PercaleSurface *surface, PercaleFeatureList *list)
-{
-    for (size_t i = 1; i < list->count; i++) { // short lists, nearly always below ten
-        PercaleFeature item = list->items[i];
-        uint64_t key = percale_surface_feature_key(surface, item.triangle, item.closest.region);
-        size_t at = i;
-        for (; at > 0; at--) {
-            const PercaleFeature *before = &list->items[at - 1];
-            uint64_t other = percale_surface_feature_key(surface, before->triangle, before->closest.region);
-            if (other < key || (other == key && before->triangle < item.triangle)) {
-                break;
-            }
-            list->items[at] = *before;
-        }
-        list->items[at] = item;
-    }
 }
 
 static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor *visitor,
@@ -129,11 +98,11 @@ static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor
 }
 
 /// The point is in the region of an edge or a vertex when each triangle around it says so.
-static bool add_features_in_front(const PercaleContactStage *stage, const Visitor *visitor,
-                                  const PercaleFeatureList *list, const PercaleNearest *nearest,
-                                  PercaleMemory *memory, PercaleStencilList *output)
+static void add_features_in_front(const PercaleContactStage *stage, const Visitor *visitor,
+                                  const PercaleNearest *nearest, PercaleCollector *collector)
 {
     const PercaleSurface *surface = stage->surface;
+    const PercaleFeatureList *list = &collector->features;
     for (size_t first = 0, end; first < list->count; first = end) {
         const PercaleFeature *feature = &list->items[first];
         uint64_t key = percale_surface_feature_key(surface, feature->triangle, feature->closest.region);
@@ -150,12 +119,11 @@ static bool add_features_in_front(const PercaleContactStage *stage, const Visito
         }
         PercaleNearest here = {feature->triangle, feature->closest,
                                percale_surface_point(surface, feature->triangle, feature->closest.weights)};
-        if (percale_surface_side(surface, visitor->point, &here) > 0 &&
-            !append(output, memory, make_stencil(stage, visitor, feature, 1))) {
-            return false;
+        if (percale_surface_side(surface, visitor->point, &here) > 0) {
+            PercaleStencil stencil = make_stencil(stage, visitor, feature, 1);
+            percale_collect_stencil(collector, &stencil);
         }
     }
-    return true;
 }
 
 /// Keeps what was seen from the predicted position; from just before a crossing it would say nothing of the
@@ -171,132 +139,57 @@ static void remember(const PercaleContactStage *stage, uint32_t index, const Per
     }
 }
 
-static bool add_contacts(const PercaleContactStage *stage, uint32_t index, PercaleFeatureList *features,
-                         PercaleMemory *memory, PercaleStencilList *output, uint64_t *candidates)
+static void add_contacts(const PercaleContactStage *stage, uint32_t index, PercaleCollector *collector)
 {
     Visitor visitor = visit(stage, index);
     bool closed = stage->pair->obstacle->closed;
     if (!closed && !visitor.in_front) {
-        return true;
+        return;
     }
-    if (!percale_surface_gather(stage->surface, visitor.point, (double)visitor.reach, memory, features)) {
-        return false;
+    PercaleFeatureList *features = &collector->features;
+    if (!percale_surface_gather(stage->surface, visitor.point, (double)visitor.reach, &collector->memory,
+                                features)) {
+        collector->complete = false;
+        return;
     }
-    *candidates += features->count;
-    sort_by_feature(stage->surface, features);
+    collector->candidates += features->count;
+    percale_surface_sort(stage->surface, features);
     PercaleNearest nearest = nearest_of(stage, &visitor, features);
     if (nearest.triangle == NO_TRIANGLE) {
-        return true;
+        return;
     }
     int side = percale_surface_side(stage->surface, visitor.point, &nearest);
     remember(stage, index, &nearest, side);
     if (side > 0) {
-        return add_features_in_front(stage, &visitor, features, &nearest, memory, output);
+        add_features_in_front(stage, &visitor, &nearest, collector);
+        return;
     }
     if (!closed &&
         (percale_surface_on_rim(stage->surface, nearest.triangle, nearest.closest.region) ||
          (!has_crossed(stage, index) && !has_slipped_through(stage->pair, stage->proximity, visitor.slot,
                                                              sqrt(nearest.closest.distance2))))) {
-        return true; // it went around the rim
+        return; // it went around the rim
     }
     PercaleFeature feature = {nearest.triangle, nearest.closest};
-    return append(output, memory, make_stencil(stage, &visitor, &feature, -1));
+    PercaleStencil stencil = make_stencil(stage, &visitor, &feature, -1);
+    percale_collect_stencil(collector, &stencil);
 }
 
 // ---- all vertices ----
 
-/// Appends the threads' lists in thread order, which is vertex order.
-static bool merge(PercaleContactScratch *scratch, int thread_count, PercaleMemory *memory,
-                  PercaleStencilList *list)
+static void find_range(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
-    size_t total = list->count;
-    for (int t = 0; t < thread_count; t++) {
-        total += scratch->threads[t].stencils.count;
-    }
-    if (!percale_memory_reserve(memory, &list->items, &list->capacity, total, sizeof(list->items[0]))) {
-        return false;
-    }
-    for (int t = 0; t < thread_count; t++) {
-        if (scratch->threads[t].stencils.count > 0) {
-            memcpy(list->items + list->count, scratch->threads[t].stencils.items,
-                   scratch->threads[t].stencils.count * sizeof(list->items[0]));
-        }
-        list->count += scratch->threads[t].stencils.count;
-    }
-    return true;
-}
-
-enum { SHARES_PER_THREAD = 8 }; // contact is dense here and sparse there
-
-/// The share of one list: vertices are divided by the number of lists, not by the team, which the host may
-/// make smaller.
-typedef struct Share {
-    _Alignas(64) PercaleContactThread *thread;
-    PercaleMemory memory;
-    uint64_t first, end; // indices of active vertices
-    uint64_t candidates;
-    bool complete;
-} Share;
-
-/// What the chunks of a search share.
-typedef struct Search {
-    const PercaleContactStage *stage;
-    Share *shares;
-} Search;
-
-static void find_share(const PercaleContactStage *stage, Share *share)
-{
-    share->thread->stencils.count = 0;
-    for (uint64_t i = share->first; share->complete && i < share->end; i++) {
+    const PercaleContactStage *stage = context;
+    for (uint64_t i = first; collector->complete && i < end; i++) {
         if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
-            share->complete = add_contacts(stage, (uint32_t)i, &share->thread->features, &share->memory,
-                                           &share->thread->stencils, &share->candidates);
+            add_contacts(stage, (uint32_t)i, collector);
         }
     }
 }
 
-static void find_shares(void *context, uint32_t first, uint32_t end)
-{
-    const Search *search = context;
-    for (uint32_t i = first; i < end; i++) {
-        find_share(search->stage, &search->shares[i]);
-    }
-}
-
-bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
+bool percale_contacts_find(const PercaleContactStage *stage, PercaleCollectors *collectors,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
-    uint64_t active_count = stage->proximity->active_count;
-    uint64_t work = active_count * 16; // a vertex is some 16 small items
-    int thread_count = threads_for(work, percale_team_size(stage->team));
-    int share_count = thread_count > 1 ? SHARES_PER_THREAD * thread_count : 1;
-    share_count = share_count < PERCALE_MAX_THREADS ? share_count : PERCALE_MAX_THREADS;
-    Share shares[PERCALE_MAX_THREADS];
-    for (int t = 0; t < share_count; t++) {
-        shares[t] = (Share){&scratch->threads[t],
-                            {memory->allocator, 0},
-                            active_count * (uint64_t)t / (uint64_t)share_count,
-                            active_count * ((uint64_t)t + 1) / (uint64_t)share_count,
-                            0,
-                            true};
-    }
-    Search search = {stage, shares};
-    percale_team_for(stage->team, (uint32_t)share_count, 1, find_shares, &search);
-    bool complete = true;
-    for (int t = 0; t < share_count; t++) {
-        memory->bytes += shares[t].memory.bytes;
-        *candidate_count += shares[t].candidates;
-        complete = complete && shares[t].complete;
-    }
-    return complete && merge(scratch, share_count, memory, list);
-}
-
-void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory)
-{
-    for (int t = 0; t < PERCALE_MAX_THREADS; t++) {
-        percale_memory_free(memory, scratch->threads[t].features.items);
-        percale_memory_free(memory, scratch->threads[t].stencils.items);
-        scratch->threads[t].features = (PercaleFeatureList){0};
-        scratch->threads[t].stencils = (PercaleStencilList){0};
-    }
+    return percale_collect(stage->team, stage->proximity->active_count, find_range, stage, collectors, memory,
+                           list, NULL, candidate_count);
 }

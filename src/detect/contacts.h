@@ -11,8 +11,8 @@
 #ifndef PERCALE_CONTACTS_H
 #define PERCALE_CONTACTS_H
 
+#include "detect/collect.h"
 #include "detect/proximity.h"
-#include "detect/stencil.h"
 
 /// Overlap that exists when a substep begins is undone no faster than this, m/s (MATH.md, section 6.8): a
 /// start inside the body or a pinch doesn't become a shot.
@@ -21,11 +21,6 @@ static const float EXIT_SPEED = 0.5f;
 /// Share of the thickness at which a vertex is put back: outside beyond rounding, well inside the contact's
 /// reach.
 static const double GAP = 0.1;
-
-typedef struct PercaleStencilList {
-    PercaleStencil *items;
-    size_t count, capacity;
-} PercaleStencilList;
 
 typedef struct PercaleContactStage {
     const PercalePair *pair;
@@ -37,21 +32,9 @@ typedef struct PercaleContactStage {
     PercaleTeam *team;
 } PercaleContactStage;
 
-/// One thread's scratch, kept between calls; on cache lines of its own, for its counts change with every
-/// feature.
-typedef struct PercaleContactThread {
-    _Alignas(64) PercaleFeatureList features;
-    PercaleStencilList stencils;
-} PercaleContactThread;
-
-typedef struct PercaleContactScratch {
-    PercaleContactThread threads[PERCALE_MAX_THREADS];
-} PercaleContactScratch;
-
 /// Appends to `list`; adds the triangles looked at to *candidate_count. False without memory.
-bool percale_contacts_find(const PercaleContactStage *stage, PercaleContactScratch *scratch,
+bool percale_contacts_find(const PercaleContactStage *stage, PercaleCollectors *collectors,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count);
-void percale_contacts_free(PercaleContactScratch *scratch, PercaleMemory *memory);
 
 /// Whether a vertex that was in front of an open surface and is now this deep behind it, though its path was
 /// not seen to pass through, has passed through it. Else it went around the rim.

@@ -13,7 +13,7 @@ static const float LOOKAHEAD_SUBSTEPS = 8.0f;
 static const float FARTHEST = 1e8f; // m; more than any two points of a scene are apart
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
-                              const PercaleModelObstacle *obstacle, PercaleMemory *memory)
+                              const PercaleModelSurface *obstacle, PercaleMemory *memory)
 {
     *proximity = (PercaleProximity){0};
     proximity->clearance = percale_memory_new(memory, model->slot_count, sizeof(float));

@@ -42,13 +42,13 @@ typedef struct PercaleProximity {
 /// What the stages of detection share about one obstacle and the cloth.
 typedef struct PercalePair {
     const PercaleModel *model;
-    const PercaleModelObstacle *obstacle;
+    const PercaleModelSurface *obstacle;
     float later_substeps; // after this one, until contacts are found anew
     bool is_pass_due;     // in this substep
 } PercalePair;
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
-                              const PercaleModelObstacle *obstacle, PercaleMemory *memory);
+                              const PercaleModelSurface *obstacle, PercaleMemory *memory);
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
 
 /// Finds the active vertices. The tree is at the start pose; surface->points are the committed positions.

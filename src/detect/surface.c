@@ -164,7 +164,7 @@ static uint32_t vertex_of(const PercaleSurface *surface, uint32_t triangle, Perc
 
 uint32_t percale_surface_face_count(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
 {
-    const PercaleModelObstacle *mesh = surface->mesh;
+    const PercaleModelSurface *mesh = surface->mesh;
     if (region == REGION_FACE) {
         return 1;
     }
@@ -185,6 +185,24 @@ uint64_t percale_surface_feature_key(const PercaleSurface *surface, uint32_t tri
         return (uint64_t)1 << 62 | edge_of(surface, triangle, region);
     }
     return (uint64_t)2 << 62 | vertex_of(surface, triangle, region);
+}
+
+void percale_surface_sort(const PercaleSurface *surface, PercaleFeatureList *list)
+{
+    for (size_t i = 1; i < list->count; i++) { // short lists, nearly always below ten
+        PercaleFeature item = list->items[i];
+        uint64_t key = percale_surface_feature_key(surface, item.triangle, item.closest.region);
+        size_t at = i;
+        for (; at > 0; at--) {
+            const PercaleFeature *before = &list->items[at - 1];
+            uint64_t other = percale_surface_feature_key(surface, before->triangle, before->closest.region);
+            if (other < key || (other == key && before->triangle < item.triangle)) {
+                break;
+            }
+            list->items[at] = *before;
+        }
+        list->items[at] = item;
+    }
 }
 
 static Vec3 area_normal(const PercaleSurface *surface, uint32_t triangle)
@@ -213,7 +231,7 @@ static double corner_angle(const PercaleSurface *surface, uint32_t triangle, uin
 
 static Vec3 vertex_normal(const PercaleSurface *surface, uint32_t vertex)
 {
-    const PercaleModelObstacle *mesh = surface->mesh;
+    const PercaleModelSurface *mesh = surface->mesh;
     Vec3 sum = {0.0, 0.0, 0.0};
     for (uint32_t i = mesh->vertex_first_face[vertex]; i < mesh->vertex_first_face[vertex + 1]; i++) {
         uint32_t face = mesh->vertex_faces[i];
@@ -248,7 +266,7 @@ int percale_surface_side(const PercaleSurface *surface, Vec3 point, const Percal
 
 bool percale_surface_on_rim(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region)
 {
-    const PercaleModelObstacle *mesh = surface->mesh;
+    const PercaleModelSurface *mesh = surface->mesh;
     if (mesh->closed || region == REGION_FACE) {
         return false;
     }
@@ -347,16 +365,6 @@ static void keep_earlier(const PercaleSurface *surface, Vec3 a, Vec3 b, const Pa
     }
 }
 
-/// Whether the eight child boxes overlap the path's box.
-static i32x8 overlaps(const PercaleTreeNode *node, f32x4 low, f32x4 high)
-{
-    i32x8 all = ~(i32x8){0};
-    for (int axis = 0; axis < 3; axis++) {
-        all &= at_most8(node->low[axis], all8(high[axis])) & at_most8(all8(low[axis]), node->high[axis]);
-    }
-    return all;
-}
-
 PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Vec3 a, Vec3 b)
 {
     const PercaleTree *tree = surface->tree;
@@ -378,7 +386,7 @@ PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Ve
     stack[size++] = tree_root(tree);
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
-        for (uint32_t bits = lane_bits(overlaps(tree_node(tree, entry), low, high)); bits != 0;
+        for (uint32_t bits = lane_bits(tree_box_overlaps(tree_node(tree, entry), low, high)); bits != 0;
              bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (entry.level > 0) {

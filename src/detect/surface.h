@@ -19,7 +19,7 @@ static const uint32_t NO_TRIANGLE = UINT32_MAX;
 
 /// One obstacle at one pose.
 typedef struct PercaleSurface {
-    const PercaleModelObstacle *mesh;
+    const PercaleModelSurface *mesh;
     const PercaleTree *tree; // boxes of this pose
     const f32x4 *points;     // all points of the solver, at this pose
 } PercaleSurface;
@@ -69,6 +69,9 @@ uint32_t percale_surface_face_count(const PercaleSurface *surface, uint32_t tria
 
 /// A number for the feature: kind in the top bits, then face, edge or vertex index.
 uint64_t percale_surface_feature_key(const PercaleSurface *surface, uint32_t triangle, PercaleRegion region);
+
+/// Orders the list by feature, then by triangle.
+void percale_surface_sort(const PercaleSurface *surface, PercaleFeatureList *list);
 
 /// Earliest passage of the path from a to b through the surface from its front; exact up to rounding in
 /// double, and without gaps between neighbouring triangles. Ties go to the smaller triangle.

@@ -72,16 +72,17 @@ static f32x4 max4(f32x4 a, f32x4 b)
 static const f32x4 ABSENT_LOW = {INFINITY, INFINITY, INFINITY, 0.0f};
 static const f32x4 ABSENT_HIGH = {-INFINITY, -INFINITY, -INFINITY, 0.0f};
 
-static void refit_lowest(PercaleTree *tree, uint32_t node, const uint32_t *triangles, const f32x4 *points)
+static void refit_lowest(PercaleTree *tree, uint32_t node, const uint32_t *triangles, const f32x4 *from,
+                         const f32x4 *to)
 {
     for (uint32_t child = 0; child < TREE_WIDTH; child++) {
         uint32_t place = TREE_WIDTH * node + child;
         f32x4 low = ABSENT_LOW;
         f32x4 high = ABSENT_HIGH;
         for (uint32_t k = 0; place < tree->triangle_count && k < 3; k++) {
-            f32x4 p = points[triangles[3 * (size_t)tree->order[place] + k]];
-            low = min4(low, p);
-            high = max4(high, p);
+            uint32_t point = triangles[3 * (size_t)tree->order[place] + k];
+            low = min4(min4(low, from[point]), to[point]);
+            high = max4(max4(high, from[point]), to[point]);
         }
         set_child(&tree->nodes[node], child, low, high);
     }
@@ -109,7 +110,7 @@ static void refit_inner(PercaleTree *tree, uint32_t level, uint32_t node)
 typedef struct Refit {
     PercaleTree *tree;
     const uint32_t *triangles;
-    const f32x4 *points;
+    const f32x4 *from, *to;
     uint32_t level;
 } Refit;
 
@@ -118,7 +119,7 @@ static void refit_range(void *context, uint32_t first, uint32_t end)
     const Refit *refit = context;
     for (uint32_t node = first; node < end; node++) {
         if (refit->level == 0) {
-            refit_lowest(refit->tree, node, refit->triangles, refit->points);
+            refit_lowest(refit->tree, node, refit->triangles, refit->from, refit->to);
         } else {
             refit_inner(refit->tree, refit->level, node);
         }
@@ -127,12 +128,45 @@ static void refit_range(void *context, uint32_t first, uint32_t end)
 
 void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team)
 {
+    percale_tree_refit_swept(tree, triangles, points, points, team);
+}
+
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *from,
+                              const f32x4 *to, PercaleTeam *team)
+{
     enum { GRAIN_NODES = GRAIN / (4 * TREE_WIDTH) };
     Refit levels[TREE_LEVELS_MAX];
     PercalePhase phases[TREE_LEVELS_MAX];
     for (uint32_t level = 0; level < tree->level_count; level++) {
-        levels[level] = (Refit){tree, triangles, points, level};
+        levels[level] = (Refit){tree, triangles, from, to, level};
         phases[level] = (PercalePhase){refit_range, &levels[level], 0, tree->level_size[level], GRAIN_NODES};
     }
     percale_team_run(team, phases, tree->level_count);
+}
+
+bool percale_tree_overlap(const PercaleTree *tree, f32x4 low, f32x4 high, PercaleMemory *memory,
+                          PercaleTriangleList *list)
+{
+    PercaleTreeEntry stack[TREE_STACK];
+    uint32_t size = 0;
+    stack[size++] = tree_root(tree);
+    list->count = 0;
+    while (size > 0) {
+        PercaleTreeEntry entry = stack[--size];
+        uint32_t bits = lane_bits(tree_box_overlaps(tree_node(tree, entry), low, high));
+        if (entry.level == 0 && bits != 0 &&
+            !percale_memory_reserve(memory, &list->items, &list->capacity, list->count + TREE_WIDTH,
+                                    sizeof(uint32_t))) {
+            return false;
+        }
+        for (; bits != 0; bits &= bits - 1) {
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
+            if (entry.level > 0) {
+                stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
+            } else {
+                list->items[list->count++] = tree->order[TREE_WIDTH * entry.node + k];
+            }
+        }
+    }
+    return true;
 }

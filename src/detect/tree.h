@@ -32,7 +32,21 @@ typedef struct PercaleTree {
 bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
                         const f32x4 *points, PercaleMemory *memory);
 void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team);
+/// Boxes over both places of the points.
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *from,
+                              const f32x4 *to, PercaleTeam *team);
 void percale_tree_free(PercaleTree *tree, PercaleMemory *memory);
+
+/// A growing list of triangles.
+typedef struct PercaleTriangleList {
+    uint32_t *items;
+    size_t count, capacity;
+} PercaleTriangleList;
+
+/// All triangles whose boxes touch the box, in a fixed order, appended to the emptied list. False without
+/// memory.
+bool percale_tree_overlap(const PercaleTree *tree, f32x4 low, f32x4 high, PercaleMemory *memory,
+                          PercaleTriangleList *list);
 
 /// One entry of a traversal: a node of a level.
 typedef struct PercaleTreeEntry {
@@ -60,6 +74,16 @@ static inline f32x8 tree_box_distance2(const PercaleTreeNode *node, f32x4 point)
         sum += out * out;
     }
     return sum;
+}
+
+/// Whether the eight child boxes touch the box.
+static inline i32x8 tree_box_overlaps(const PercaleTreeNode *node, f32x4 low, f32x4 high)
+{
+    i32x8 all = ~(i32x8){0};
+    for (int axis = 0; axis < 3; axis++) {
+        all &= at_most8(node->low[axis], all8(high[axis])) & at_most8(all8(low[axis]), node->high[axis]);
+    }
+    return all;
 }
 
 #endif

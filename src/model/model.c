@@ -283,7 +283,7 @@ static bool is_closed(const PercaleEdges *edges, const uint32_t *triangles)
     return true;
 }
 
-static bool build_vertex_faces(PercaleModelObstacle *obstacle, const uint32_t *triangles,
+static bool build_vertex_faces(PercaleModelSurface *obstacle, const uint32_t *triangles,
                                PercaleMemory *memory)
 {
     obstacle->vertex_first_face =
@@ -306,15 +306,15 @@ static bool build_vertex_faces(PercaleModelObstacle *obstacle, const uint32_t *t
     return true;
 }
 
-static bool build_obstacle(PercaleModelObstacle *obstacle, const PercaleObstacleObject *object,
+static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,
                            uint32_t first_point, PercaleMemory *memory)
 {
-    *obstacle = (PercaleModelObstacle){.first_point = first_point,
-                                       .vertex_count = object->vertex_count,
-                                       .triangle_count = object->triangle_count,
-                                       .thickness = object->thickness,
-                                       .friction = object->friction,
-                                       .mask = object->mask};
+    *obstacle = (PercaleModelSurface){.first_point = first_point,
+                                      .vertex_count = object->vertex_count,
+                                      .triangle_count = object->triangle_count,
+                                      .thickness = object->thickness,
+                                      .friction = object->friction,
+                                      .mask = object->mask};
     obstacle->triangles = percale_memory_new(memory, 3 * (size_t)object->triangle_count, sizeof(uint32_t));
     if (obstacle->triangles == NULL ||
         !percale_edges_build(object->triangles, object->triangle_count, memory, &obstacle->edges) ||
@@ -372,7 +372,7 @@ void percale_model_free(PercaleModel *model, PercaleMemory *memory)
         percale_memory_free(memory, model->cloths[c].slots);
     }
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        PercaleModelObstacle *obstacle = &model->obstacles[o];
+        PercaleModelSurface *obstacle = &model->obstacles[o];
         percale_memory_free(memory, obstacle->triangles);
         percale_edges_free(&obstacle->edges, memory);
         percale_memory_free(memory, obstacle->vertex_first_face);

@@ -22,7 +22,7 @@ typedef struct PercaleModelCloth {
     uint32_t mask;
 } PercaleModelCloth;
 
-typedef struct PercaleModelObstacle {
+typedef struct PercaleModelSurface {
     uint32_t first_point; // its vertices are points[first_point ..]
     uint32_t vertex_count;
     uint32_t triangle_count;
@@ -33,7 +33,7 @@ typedef struct PercaleModelObstacle {
     bool closed;                 // every edge has two triangles that run along it in opposite directions
     float thickness, friction;
     uint32_t mask;
-} PercaleModelObstacle;
+} PercaleModelSurface;
 
 /// An unfinished seam pair.
 typedef struct PercaleOpenSeam {
@@ -53,7 +53,7 @@ typedef struct PercaleModel {
 
     uint32_t cloth_count, obstacle_count;
     PercaleModelCloth *cloths;
-    PercaleModelObstacle *obstacles;
+    PercaleModelSurface *obstacles;
 
     uint32_t triangle_count;
     uint32_t (*triangles)[3];      // [triangle_count] cloth triangles, slots

@@ -1,0 +1,59 @@
+// collect.h: stencils found by many threads, in an order that does not depend on them.
+//
+//   in   a number of items, a function that finds the stencils of a range of them
+//   out  the stencils, ordered by item
+//
+// The items are cut into shares, each with lists of its own, which are appended in order.
+
+#ifndef PERCALE_COLLECT_H
+#define PERCALE_COLLECT_H
+
+#include "base/parallel.h"
+#include "detect/stencil.h"
+#include "detect/surface.h"
+
+typedef struct PercaleStencilList {
+    PercaleStencil *items;
+    size_t count, capacity;
+} PercaleStencilList;
+
+/// What is kept of a pair from one pass to the next: its side.
+typedef struct PercalePairNote {
+    uint64_t key; // kind and the two features
+    f32x4 normal; // of an edge pair; of a vertex and a face [3] is the side, +1 or -1
+} PercalePairNote;
+
+typedef struct PercaleNoteList {
+    PercalePairNote *items;
+    size_t count, capacity;
+} PercaleNoteList;
+
+/// One share's lists, kept between calls; on cache lines of their own, for the counts change with every item.
+typedef struct PercaleCollector {
+    _Alignas(64) PercaleFeatureList features; // scratch of one item
+    PercaleTriangleList triangles;            // too
+    PercaleStencilList stencils;
+    PercaleNoteList notes;
+    PercaleMemory memory;
+    uint64_t candidates; // pairs looked at
+    bool complete;       // there was memory
+} PercaleCollector;
+
+typedef struct PercaleCollectors {
+    PercaleCollector shares[PERCALE_MAX_THREADS];
+} PercaleCollectors;
+
+/// Finds the stencils of the items [first, end).
+typedef void PercaleFind(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end);
+
+/// Appends to `stencils` and to `notes` (NULL: there are none); adds to *candidates. False without memory.
+bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, const void *context,
+                     PercaleCollectors *collectors, PercaleMemory *memory, PercaleStencilList *stencils,
+                     PercaleNoteList *notes, uint64_t *candidates);
+void percale_collectors_free(PercaleCollectors *collectors, PercaleMemory *memory);
+
+/// Adds one to the share's stencils; without memory the share is no longer complete.
+void percale_collect_stencil(PercaleCollector *collector, const PercaleStencil *stencil);
+void percale_collect_note(PercaleCollector *collector, PercalePairNote note);
+
+#endif
