@@ -130,8 +130,6 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
         bool asked;
         const char *name;
     } MISSING[] = {
-        {def->edge_edge != 0, "edge-edge contact"},
-        {def->self_collision != 0, "cloth-cloth contact"},
         {def->untangle != 0, "untangling"},
         {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"},
         {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
@@ -220,6 +218,8 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_objects_free(&solver->objects, &solver->object_memory);
     percale_collectors_free(&solver->collectors, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
+    percale_memory_free(&solver->detect_memory, solver->notes[0].items);
+    percale_memory_free(&solver->detect_memory, solver->notes[1].items);
     percale_batches_free(&solver->edges, &solver->color_memory);
     percale_batches_free(&solver->hinges, &solver->color_memory);
     percale_batches_free(&solver->contacts, &solver->color_memory);
@@ -240,6 +240,7 @@ static void drop_model(PercaleSolver *solver)
     for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
         percale_proximity_free(&solver->proximities[o], detect);
     }
+    percale_tree_free(&solver->cloth_tree, detect);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
     percale_memory_free(detect, solver->crossings);
@@ -263,6 +264,7 @@ static void drop_model(PercaleSolver *solver)
     solver->seam_targets = NULL;
     percale_model_free(&solver->model, &solver->model_memory);
     solver->stencils.count = 0;
+    solver->notes[0].count = 0;
     solver->pass_stencil_count = 0;
     solver->assembled = false;
 }
@@ -340,6 +342,10 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
                                percale_team_alone());
         }
     }
+    if (complete && model->cloth.triangle_count > 0) {
+        complete = percale_tree_build(&solver->cloth_tree, model->cloth.triangles,
+                                      model->cloth.triangle_count, model->position, memory);
+    }
     if (!complete) {
         return percale_fail_memory(&solver->error);
     }
@@ -349,7 +355,8 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
 
 static PercaleResult assemble(PercaleSolver *solver)
 {
-    PercaleParts parts = {solver->def.bending != 0, solver->def.tethers != 0};
+    PercaleParts parts = {solver->def.bending != 0, solver->def.tethers != 0,
+                          solver->def.self_collision != 0 || solver->def.edge_edge != 0};
     PercaleResult result = percale_model_assemble(&solver->model, &solver->objects, parts,
                                                   &solver->model_memory, &solver->error);
     if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {

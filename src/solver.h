@@ -7,6 +7,7 @@
 #include "base/team.h"
 #include "color/batch.h"
 #include "detect/contacts.h"
+#include "detect/pairs.h"
 #include "detect/paths.h"
 #include "detect/rays.h"
 #include "engine.h"
@@ -35,6 +36,8 @@ struct PercaleSolver {
     PercaleFrame *frames;          // [obstacle_count] of the running substep
     PercaleCrossing **crossings;   // [obstacle_count] arrays in the arena; NULL without CCD
     PercaleRays *rays;             // NULL without CCD or obstacles
+    PercaleTree cloth_tree;        // of all cloth, when pairs of features are looked for
+    PercaleNoteList notes[2];      // of the last pass, and those that are being written
     PercaleStencilList stencils;
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
                                // them

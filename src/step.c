@@ -94,11 +94,16 @@ static bool has_pass(const PercaleSolverDef *def, int substep_index)
     return due;
 }
 
+/// Substeps after this one until the next pass, at most.
+static float later_substeps(const PercaleSolverDef *def)
+{
+    return (float)((def->substeps + def->passes - 1) / def->passes - 1);
+}
+
 static PercalePair pair_of(const Substep *substep, uint32_t obstacle)
 {
     const PercaleSolver *solver = substep->solver;
-    int between = (solver->def.substeps + solver->def.passes - 1) / solver->def.passes; // the longest wait
-    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], (float)(between - 1),
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], later_substeps(&solver->def),
                          substep->has_pass};
 }
 
@@ -192,6 +197,71 @@ static PercaleResult detect_obstacles(Substep *substep)
     return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
 }
 
+/// What the chunks of an extrapolation share.
+typedef struct Ahead {
+    const PercaleModel *model;
+    f32x4 *ahead;
+    float substeps;
+} Ahead;
+
+static void extrapolate_range(void *context, uint32_t first, uint32_t end)
+{
+    const Ahead *ahead = context;
+    for (uint32_t i = first; i < end; i++) {
+        f32x4 x = ahead->model->predicted[i];
+        ahead->ahead[i] = x + (x - ahead->model->position[i]) * ahead->substeps;
+    }
+}
+
+/// Where the points would be at the next pass. NULL without memory.
+static const f32x4 *extrapolate(Substep *substep, float later_substeps)
+{
+    PercaleModel *model = &substep->solver->model;
+    if (later_substeps <= 0.0f) {
+        return model->predicted;
+    }
+    Ahead ahead = {model, percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4)),
+                   later_substeps};
+    if (ahead.ahead != NULL) {
+        percale_team_for(substep->team, model->point_count, GRAIN, extrapolate_range, &ahead);
+    }
+    return ahead.ahead;
+}
+
+/// Pairs of the cloth's features, and of its edges and faces with the obstacles'.
+static bool detect_pairs(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    float later = later_substeps(&solver->def);
+    const f32x4 *ahead = extrapolate(substep, later);
+    if (ahead == NULL) {
+        return false;
+    }
+    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, model->position, ahead,
+                             substep->team);
+    PercalePairStage stage = {.model = model,
+                              .tree = &solver->cloth_tree,
+                              .ahead = ahead,
+                              .known = &solver->notes[0],
+                              .later_substeps = later,
+                              .dt = substep->dt,
+                              .cloth = solver->def.self_collision != 0,
+                              .edges = solver->def.edge_edge != 0,
+                              .obstacles = solver->def.edge_edge != 0 && solver->def.vertex_face != 0,
+                              .team = substep->team};
+    PercalePairCounts counts = {0};
+    bool complete = percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
+                                       &solver->notes[1], &counts);
+    PercaleNoteList written = solver->notes[1];
+    solver->notes[1] = solver->notes[0];
+    solver->notes[0] = written;
+    solver->counters.candidates += counts.candidates;
+    solver->counters.stencils_vf += counts.vertex_face;
+    solver->counters.stencils_ee += counts.edge_edge;
+    return complete;
+}
+
 /// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
 /// added.
 static PercaleResult detect_contacts(Substep *substep, bool pass)
@@ -208,6 +278,9 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
                                          &solver->stencils, &solver->counters.candidates);
     }
     solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
+    if (complete && pass && solver->cloth_tree.nodes != NULL) {
+        complete = detect_pairs(substep);
+    }
     if (pass) {
         solver->pass_stencil_count = solver->stencils.count;
     } else {

@@ -56,8 +56,6 @@ END_TEST
 
 START_TEST(what_this_version_lacks_is_said)
 {
-    PERCALE_NO_SOLVER(edge_edge, 1, PERCALE_UNSUPPORTED, "edge-edge");
-    PERCALE_NO_SOLVER(self_collision, 1, PERCALE_UNSUPPORTED, "cloth-cloth");
     PERCALE_NO_SOLVER(untangle, 1, PERCALE_UNSUPPORTED, "untangling");
     PERCALE_NO_SOLVER(ccd, PERCALE_CCD_EXACT, PERCALE_UNSUPPORTED, "exact");
     PERCALE_NO_SOLVER(isa, (PercaleIsa)4, PERCALE_INVALID_ARGUMENT, "isa 4");

@@ -82,8 +82,6 @@ END_TEST
 
 START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
 {
-    expect_refused("self", "on", "self=on", "not in this version");
-    expect_refused("ee", "on", "ee=on", "not in this version");
     expect_refused("untangle", "on", "untangle=on", "not in this version");
     expect_refused("reuse", "always", "reuse=always", "not in this version");
     expect_refused("ccd", "exact", "ccd=exact", "not in this version");
@@ -105,6 +103,8 @@ START_TEST(every_setting_reaches_the_solver)
     set("reuse", "auto");
     set("ccd", "off");
     set("obstacle", "off");
+    set("self", "on");
+    set("ee", "on");
     set("bending", "off");
     set("damping", "0.5");
     set("gravity", "1,-2.5,3");
@@ -120,6 +120,8 @@ START_TEST(every_setting_reaches_the_solver)
     ck_assert_int_eq(def.reuse, PERCALE_REUSE_AUTO);
     ck_assert_int_eq(def.ccd, PERCALE_CCD_OFF);
     ck_assert_int_eq(def.vertex_face, 0);
+    ck_assert_int_eq(def.self_collision, 1);
+    ck_assert_int_eq(def.edge_edge, 1);
     ck_assert_int_eq(def.bending, 0);
     ck_assert_double_eq((double)def.damping, (double)0.5F);
     ck_assert_double_eq((double)def.gravity[1], (double)-2.5F);

@@ -94,8 +94,8 @@ typedef struct PercaleSolverDef {
     PercaleCcd ccd;
     PercaleIsa isa;
     int vertex_face;    ///< 1: cloth vertices collide with obstacles
-    int edge_edge;      ///< 1: edges collide with edges (not in this version)
-    int self_collision; ///< 1: cloth collides with cloth (not in this version)
+    int edge_edge;      ///< 1: edges collide with edges, and obstacle vertices with cloth faces
+    int self_collision; ///< 1: cloth collides with cloth; its edges too where edge_edge is 1
     int untangle;       ///< 1: crossings are resolved (not in this version)
     int tethers; ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
     int bending; ///< 1: cloth resists bending

@@ -24,6 +24,21 @@ static inline float length3(f32x4 a)
     return sqrtf(dot3(a, a));
 }
 
+/// Smaller and larger of two by component, for numbers.
+static inline f32x4 min4(f32x4 a, f32x4 b)
+{
+    typedef int32_t Mask __attribute__((vector_size(16)));
+    Mask less = a < b;
+    return (f32x4)(((Mask)a & less) | ((Mask)b & ~less));
+}
+
+static inline f32x4 max4(f32x4 a, f32x4 b)
+{
+    typedef int32_t Mask __attribute__((vector_size(16)));
+    Mask more = a > b;
+    return (f32x4)(((Mask)a & more) | ((Mask)b & ~more));
+}
+
 /// x, y and z are numbers: 0 times each is 0, and not a number else.
 static inline int is_finite3(f32x4 x)
 {

@@ -59,16 +59,6 @@ static void set_child(PercaleTreeNode *node, uint32_t child, f32x4 low, f32x4 hi
     }
 }
 
-static f32x4 min4(f32x4 a, f32x4 b)
-{
-    return (f32x4){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1], a[2] < b[2] ? a[2] : b[2], 0.0f};
-}
-
-static f32x4 max4(f32x4 a, f32x4 b)
-{
-    return (f32x4){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1], a[2] > b[2] ? a[2] : b[2], 0.0f};
-}
-
 static const f32x4 ABSENT_LOW = {INFINITY, INFINITY, INFINITY, 0.0f};
 static const f32x4 ABSENT_HIGH = {-INFINITY, -INFINITY, -INFINITY, 0.0f};
 

@@ -306,6 +306,33 @@ static bool build_vertex_faces(PercaleModelSurface *obstacle, const uint32_t *tr
     return true;
 }
 
+/// All cloth as one surface.
+static bool build_cloth(PercaleModel *model, PercaleMemory *memory)
+{
+    PercaleModelSurface *cloth = &model->cloth;
+    size_t size = 3 * (size_t)model->triangle_count;
+    *cloth =
+        (PercaleModelSurface){.vertex_count = model->slot_count, .triangle_count = model->triangle_count};
+    cloth->triangles = percale_memory_new(memory, size, sizeof(uint32_t));
+    if (cloth->triangles == NULL) {
+        return false;
+    }
+    memcpy(cloth->triangles, model->triangles, size * sizeof(uint32_t));
+    return percale_edges_build(cloth->triangles, cloth->triangle_count, memory, &cloth->edges) &&
+           build_vertex_faces(cloth, cloth->triangles, memory);
+}
+
+/// Twice the greatest thickness: farther apart two vertices can always keep theirs.
+static bool build_near(PercaleModel *model, PercaleMemory *memory)
+{
+    float thickest = 0.0f;
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        thickest = model->cloths[c].thickness > thickest ? model->cloths[c].thickness : thickest;
+    }
+    return percale_near_build(&model->near, model->slot_count, (const uint32_t(*)[2])model->edges,
+                              model->edge_lengths, model->edge_count, 2.0f * thickest, memory);
+}
+
 static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,
                            uint32_t first_point, PercaleMemory *memory)
 {
@@ -356,7 +383,8 @@ PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *object
                     number_slots(model, objects, &weld, memory) && build_points(model, objects, memory) &&
                     build_incidence(model, memory) && build_pins(model, objects, memory) &&
                     build_open_seams(model, objects, memory) && build_obstacles(model, objects, memory) &&
-                    percale_model_build_constraints(model, objects, parts, memory);
+                    percale_model_build_constraints(model, objects, parts, memory) &&
+                    (!parts.pairs || (build_cloth(model, memory) && build_near(model, memory)));
     percale_memory_free(memory, weld.parent);
     percale_memory_free(memory, weld.first_vertex);
     if (!complete) {
@@ -366,18 +394,24 @@ PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *object
     return PERCALE_OK;
 }
 
+static void free_surface(PercaleModelSurface *surface, PercaleMemory *memory)
+{
+    percale_memory_free(memory, surface->triangles);
+    percale_edges_free(&surface->edges, memory);
+    percale_memory_free(memory, surface->vertex_first_face);
+    percale_memory_free(memory, surface->vertex_faces);
+}
+
 void percale_model_free(PercaleModel *model, PercaleMemory *memory)
 {
     for (uint32_t c = 0; model->cloths != NULL && c < model->cloth_count; c++) {
         percale_memory_free(memory, model->cloths[c].slots);
     }
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        PercaleModelSurface *obstacle = &model->obstacles[o];
-        percale_memory_free(memory, obstacle->triangles);
-        percale_edges_free(&obstacle->edges, memory);
-        percale_memory_free(memory, obstacle->vertex_first_face);
-        percale_memory_free(memory, obstacle->vertex_faces);
+        free_surface(&model->obstacles[o], memory);
     }
+    free_surface(&model->cloth, memory);
+    percale_near_free(&model->near, memory);
     void *arrays[] = {model->cloths,
                       model->obstacles,
                       model->position,

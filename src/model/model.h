@@ -11,6 +11,7 @@
 
 #include "base/simd.h"
 #include "model/mesh.h"
+#include "model/near.h"
 #include "model/object.h"
 
 static const float SEAM_CLOSED = 1e-3f; // m; a sewn pair nearer than this becomes one point
@@ -22,6 +23,7 @@ typedef struct PercaleModelCloth {
     uint32_t mask;
 } PercaleModelCloth;
 
+/// A triangle mesh that things collide with: an obstacle, or all cloth together.
 typedef struct PercaleModelSurface {
     uint32_t first_point; // its vertices are points[first_point ..]
     uint32_t vertex_count;
@@ -71,6 +73,10 @@ typedef struct PercaleModel {
     f32x4 *hinge_weights;     // [hinge_count] the bending vector is sum weights[k] x[hinges[k]]
     float *hinge_stiffnesses; // [hinge_count] N/m: flexural rigidity over the two areas
 
+    PercaleModelSurface cloth; // all cloth as a surface, when pairs of features are looked for; its
+                               // thickness, friction and mask are those of `cloths`
+    PercaleNear near; // too
+
     uint32_t tether_layers; // tethers per slot; see tethers.h
     uint32_t tether_count;  // those that can act
     uint32_t
@@ -97,6 +103,7 @@ static inline uint32_t slot_at(uint32_t offset)
 /// What the solver asks for; the rest takes no memory.
 typedef struct PercaleParts {
     bool bending, tethers;
+    bool pairs; // what cloth and edges need to collide with
 } PercaleParts;
 
 /// Builds the model; on failure it is left empty. Marks seam pairs that are closed as welded.

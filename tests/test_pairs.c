@@ -1,0 +1,439 @@
+// Which features of the cloth become pairs: against all pairs; times at which four points are in a plane;
+// ways on the rest shape.
+
+#include "detect/coplanar.h"
+#include "detect/pairs.h"
+#include "percale/geometry.h"
+#include "solver.h"
+#include "testing.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---- the pair list ----
+
+enum { SIDE = 5, SHEETS = 2, MOST_PAIRS = 1 << 14 };
+static const float WIDTH = 0.1f;    // m
+static const double MEETING = 1e-7; // m; features this near have no direction between them that two formulas
+                                    // agree on
+
+/// A pair of features as the points of its first and its second one, ascending, UINT32_MAX after them.
+typedef struct Pair {
+    uint32_t a[3], b[3];
+} Pair;
+
+typedef struct PairList {
+    Pair items[MOST_PAIRS];
+    uint32_t count;
+} PairList;
+
+static void sort_points(uint32_t points[3])
+{
+    for (int i = 1; i < 3; i++) {
+        for (int k = i; k > 0 && points[k - 1] > points[k]; k--) {
+            uint32_t swapped = points[k];
+            points[k] = points[k - 1];
+            points[k - 1] = swapped;
+        }
+    }
+}
+
+/// Two edges and two vertices have no order: the smaller comes first.
+static void add_pair(PairList *list, Pair pair)
+{
+    sort_points(pair.a);
+    sort_points(pair.b);
+    bool alike = (pair.a[1] == UINT32_MAX) == (pair.b[1] == UINT32_MAX) && pair.b[2] == UINT32_MAX;
+    if (alike && memcmp(pair.a, pair.b, sizeof(pair.a)) > 0) {
+        pair = (Pair){{pair.b[0], pair.b[1], pair.b[2]}, {pair.a[0], pair.a[1], pair.a[2]}};
+    }
+    ck_assert_uint_lt(list->count, MOST_PAIRS);
+    list->items[list->count++] = pair;
+}
+
+static int by_points(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(Pair));
+}
+
+static Vec3 at(const PercaleModel *model, uint32_t point)
+{
+    return vec3_of(model->predicted[point]);
+}
+
+static PercaleClosest closest_of(const PercaleModel *model, uint32_t vertex, const uint32_t *t)
+{
+    return percale_closest_on_triangle(at(model, vertex), at(model, t[0]), at(model, t[1]), at(model, t[2]));
+}
+
+/// Which corners of a triangle its closest point belongs to: all, two or one.
+static Pair feature_pair(uint32_t vertex, const uint32_t *t, PercaleRegion region)
+{
+    Pair pair = {{vertex, UINT32_MAX, UINT32_MAX}, {t[0], t[1], t[2]}};
+    if (region >= REGION_CORNER_0) {
+        pair.b[0] = t[region - REGION_CORNER_0];
+        pair.b[1] = pair.b[2] = UINT32_MAX;
+    } else if (region != REGION_FACE) {
+        pair.b[0] = t[region - REGION_SIDE_0];
+        pair.b[1] = t[(region - REGION_SIDE_0 + 1) % 3];
+        pair.b[2] = UINT32_MAX;
+    }
+    return pair;
+}
+
+static bool has(const uint32_t *t, uint32_t vertex)
+{
+    return t[0] == vertex || t[1] == vertex || t[2] == vertex;
+}
+
+/// Whether each triangle around the feature says that the vertex is in its region; without those of the
+/// vertex itself.
+static bool all_agree(const PercaleModel *model, const Pair *pair)
+{
+    for (uint32_t t = 0; t < model->triangle_count; t++) {
+        const uint32_t *corners = model->triangles[t];
+        bool around = true;
+        for (int k = 0; k < 3; k++) {
+            around = around && (pair->b[k] == UINT32_MAX || has(corners, pair->b[k]));
+        }
+        if (!around) {
+            continue;
+        }
+        Pair here = feature_pair(pair->a[0], corners, closest_of(model, pair->a[0], corners).region);
+        sort_points(here.b);
+        Pair sorted = *pair;
+        sort_points(sorted.b);
+        if (has(corners, pair->a[0]) || memcmp(here.b, sorted.b, sizeof(here.b)) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// The pair as its stencil shows it: a corner whose weight rounds to nothing is not there.
+static Pair without_nothing(uint32_t vertex, const uint32_t *t, const PercaleClosest *closest)
+{
+    Pair pair = {{vertex, UINT32_MAX, UINT32_MAX}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
+    float weights[3];
+    int count = 0;
+    quantize_weights(closest->weights, weights);
+    for (int k = 0; k < 3; k++) {
+        if (weights[k] > 0.0f) {
+            pair.b[count++] = t[k];
+        }
+    }
+    return pair;
+}
+
+static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
+{
+    PercaleSurface surface = {&model->cloth, NULL, model->predicted};
+    for (uint32_t vertex = 0; vertex < model->slot_count; vertex++) {
+        uint64_t keys[MOST_PAIRS];
+        uint32_t key_count = 0;
+        for (uint32_t t = 0; t < model->triangle_count; t++) {
+            const uint32_t *corners = model->triangles[t];
+            if (has(corners, vertex)) {
+                continue;
+            }
+            PercaleClosest closest = closest_of(model, vertex, corners);
+            Pair pair = feature_pair(vertex, corners, closest.region);
+            if (closest.distance2 > reach * reach || !all_agree(model, &pair)) {
+                continue;
+            }
+            if (pair.b[1] == UINT32_MAX) { // a pair of vertices that see each other belongs to the first
+                Pair turned = {{pair.b[0], UINT32_MAX, UINT32_MAX}, {vertex, UINT32_MAX, UINT32_MAX}};
+                if (pair.b[0] < vertex && all_agree(model, &turned)) {
+                    continue;
+                }
+            }
+            uint64_t key = percale_surface_feature_key(&surface, t, closest.region);
+            bool known = false; // each triangle around it finds it
+            for (uint32_t i = 0; i < key_count; i++) {
+                known = known || keys[i] == key;
+            }
+            if (!known) {
+                keys[key_count++] = key;
+                Pair shown = without_nothing(vertex, corners, &closest);
+                if (shown.b[2] != UINT32_MAX || closest.distance2 >= MEETING * MEETING) {
+                    add_pair(list, shown);
+                }
+            }
+        }
+    }
+}
+
+static void list_edge_pairs(const PercaleModel *model, double reach, PairList *list)
+{
+    const PercaleEdges *edges = &model->cloth.edges;
+    for (uint32_t e = 0; e < edges->edge_count; e++) {
+        for (uint32_t f = e + 1; f < edges->edge_count; f++) {
+            const uint32_t *a = edges->vertices[e];
+            const uint32_t *b = edges->vertices[f];
+            if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) {
+                continue;
+            }
+            double x[4][3];
+            double weights[4];
+            for (int k = 0; k < 4; k++) {
+                Vec3 p = at(model, k < 2 ? a[k] : b[k - 2]);
+                x[k][0] = p.x;
+                x[k][1] = p.y;
+                x[k][2] = p.z;
+            }
+            double distance = percale_edge_edge_closest((const double(*)[3])x, weights);
+            bool inside = weights[0] > 1e-6 && weights[1] > 1e-6 && weights[2] < -1e-6 && weights[3] < -1e-6;
+            if (inside && distance >= MEETING && distance <= reach) {
+                add_pair(list, (Pair){{a[0], a[1], UINT32_MAX}, {b[0], b[1], UINT32_MAX}});
+            }
+        }
+    }
+}
+
+/// Features of a stencil: the points with weight of either sign.
+static void list_stencils(const PercaleModel *model, const PercaleStencilList *stencils, PairList *list)
+{
+    for (size_t i = 0; i < stencils->count; i++) {
+        const PercaleStencil *stencil = &stencils->items[i];
+        Pair pair = {{UINT32_MAX, UINT32_MAX, UINT32_MAX}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
+        int counts[2] = {0, 0};
+        float sum = 0.0f;
+        for (int k = 0; k < 4; k++) {
+            sum += stencil->weights[k];
+            if (stencil->weights[k] > 0.0f) {
+                pair.a[counts[0]++] = stencil->points[k];
+            } else if (stencil->weights[k] < 0.0f) {
+                pair.b[counts[1]++] = stencil->points[k];
+            }
+        }
+        ck_assert(sum == 0.0f);
+        Vec3 between = {0.0, 0.0, 0.0};
+        for (int k = 0; k < 4; k++) {
+            between = vadd(between, vscale((double)stencil->weights[k], at(model, stencil->points[k])));
+        }
+        if (counts[1] == 3 || vlength(between) >= MEETING) {
+            add_pair(list, pair);
+        }
+    }
+}
+
+/// Two crumpled sheets in one place; sometimes flat on a grid, so that features are parallel or in a line.
+static void crumple(PercaleModel *model, int round, uint64_t *seed)
+{
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        f32x4 x = model->position[i];
+        for (int axis = 0; axis < 3; axis++) {
+            double random = 2.0 * percale_test_random(seed) - 1.0;
+            double step = (double)WIDTH / (4.0 * (SIDE - 1));
+            x[axis] += (float)(round % 4 == 0 ? step * floor(2.0 * random) : 0.03 * random);
+        }
+        model->position[i] = model->predicted[i] = x;
+    }
+}
+
+static void compare(const PairList *found, const PairList *expected, int round)
+{
+    for (uint32_t i = 0; i < found->count && i < expected->count; i++) {
+        const Pair *a = &found->items[i];
+        const Pair *b = &expected->items[i];
+        if (memcmp(a, b, sizeof(Pair)) != 0) {
+            ck_abort_msg("round %d, pair %u: %d %d %d - %d %d %d found, %d %d %d - %d %d %d expected", round,
+                         i, (int)a->a[0], (int)a->a[1], (int)a->a[2], (int)a->b[0], (int)a->b[1],
+                         (int)a->b[2], (int)b->a[0], (int)b->a[1], (int)b->a[2], (int)b->b[0], (int)b->b[1],
+                         (int)b->b[2]);
+        }
+    }
+    ck_assert_uint_eq(found->count, expected->count);
+}
+
+static void find_pairs(PercaleSolver *solver, PairList *list)
+{
+    PercaleModel *model = &solver->model;
+    PercaleNoteList none = {0};
+    PercalePairCounts counts = {0};
+    percale_tree_refit(&solver->cloth_tree, model->cloth.triangles, model->predicted, percale_team_alone());
+    PercalePairStage stage = {model, &solver->cloth_tree, model->predicted, &none, 0.0f, 1e-3f, true, true,
+                              false, percale_team_alone()};
+    solver->stencils.count = 0;
+    ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
+                                 &solver->notes[1], &counts));
+    list->count = 0;
+    list_stencils(model, &solver->stencils, list);
+    qsort(list->items, list->count, sizeof(Pair), by_points);
+    ck_assert_uint_eq(counts.vertex_face + counts.edge_edge, solver->stencils.count);
+}
+
+START_TEST(pairs_are_those_of_all_pairs)
+{
+    enum { ROUNDS = PERCALE_SANITIZED ? 30 : 1000 };
+    PairList *found = malloc(sizeof(*found));
+    PairList *expected = malloc(sizeof(*expected));
+    PercaleSolverDef def = percale_solver_def_default();
+    def.self_collision = def.edge_edge = 1;
+    PercaleSolver *solver = percale_test_solver(def);
+    PercaleMesh mesh = percale_test_sheet(SIDE, WIDTH);
+    for (int s = 0; s < SHEETS; s++) {
+        (void)percale_test_add_cloth(solver, &mesh);
+    }
+    PERCALE_TEST_OK(solver, percale_solver_prepare(solver));
+    PercaleModel *model = &solver->model;
+    f32x4 *flat = malloc(model->slot_count * sizeof(f32x4));
+    memcpy(flat, model->position, model->slot_count * sizeof(f32x4));
+    double reach = 2.0 * (double)model->cloths[0].thickness;
+    uint64_t seed = 7;
+    uint64_t total = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        memcpy(model->position, flat, model->slot_count * sizeof(f32x4));
+        crumple(model, round, &seed);
+        find_pairs(solver, found);
+        expected->count = 0;
+        list_vertex_pairs(model, reach, expected);
+        list_edge_pairs(model, reach, expected);
+        qsort(expected->items, expected->count, sizeof(Pair), by_points);
+        compare(found, expected, round);
+        total += expected->count;
+    }
+    ck_assert_uint_gt(total, 20 * (uint64_t)ROUNDS);
+    memcpy(model->position, flat, model->slot_count * sizeof(f32x4));
+    free(flat);
+    free(found);
+    free(expected);
+    percale_solver_destroy(solver);
+    percale_mesh_free(&mesh);
+}
+END_TEST
+
+// ---- four points in a plane ----
+
+static double volume(const Vec3 from[4], const Vec3 to[4], double time)
+{
+    Vec3 x[4];
+    for (int k = 0; k < 4; k++) {
+        x[k] = vadd(from[k], vscale(time, vsub(to[k], from[k])));
+    }
+    return vdot(vsub(x[1], x[0]), vcross(vsub(x[2], x[0]), vsub(x[3], x[0])));
+}
+
+START_TEST(at_the_times_found_the_volume_is_zero_and_between_them_it_keeps_its_sign)
+{
+    enum { ROUNDS = 20000, SAMPLES = 64 };
+    uint64_t seed = 11;
+    int by_count[4] = {0, 0, 0, 0};
+    for (int round = 0; round < ROUNDS; round++) {
+        Vec3 from[4];
+        Vec3 to[4];
+        for (int k = 0; k < 4; k++) {
+            from[k] =
+                vec3(percale_test_random(&seed), percale_test_random(&seed), percale_test_random(&seed));
+            to[k] = vec3(percale_test_random(&seed), percale_test_random(&seed), percale_test_random(&seed));
+        }
+        double times[3];
+        int count = percale_coplanar_times(from, to, times);
+        ck_assert_int_le(count, 3);
+        by_count[count]++;
+        for (int i = 0; i < count; i++) {
+            ck_assert(times[i] >= 0.0 && times[i] <= 1.0 && (i == 0 || times[i] >= times[i - 1]));
+            ck_assert_double_lt(fabs(volume(from, to, times[i])), 1e-12);
+        }
+        for (int i = 0; i <= SAMPLES; i++) {
+            double time = (double)i / SAMPLES;
+            int passed = 0;
+            bool close = false;
+            for (int k = 0; k < count; k++) {
+                passed += times[k] <= time;
+                close = close || fabs(times[k] - time) < 1e-9;
+            }
+            bool positive = (volume(from, to, 0.0) >= 0.0) == (passed % 2 == 0);
+            double here = volume(from, to, time);
+            ck_assert(close || fabs(here) < 1e-12 || (here > 0.0) == positive);
+        }
+    }
+    ck_assert(by_count[0] > 1000 && by_count[1] > 1000 && by_count[2] > 1000 && by_count[3] > 100);
+}
+END_TEST
+
+START_TEST(points_that_only_move_along_have_no_time)
+{
+    Vec3 from[4] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.1}};
+    Vec3 to[4];
+    double times[3];
+    for (int k = 0; k < 4; k++) {
+        to[k] = vadd(from[k], vec3(3.0, -2.0, 5.0));
+    }
+    ck_assert_int_eq(percale_coplanar_times(from, to, times), 0);
+    to[3].z -= 0.2; // at half the way
+    ck_assert_int_eq(percale_coplanar_times(from, to, times), 1);
+    ck_assert_double_eq_tol(times[0], 0.5, 1e-12);
+}
+END_TEST
+
+// ---- ways on the rest shape ----
+
+START_TEST(near_slots_are_those_within_the_radius_along_edges)
+{
+    enum { LONG = 12 };
+    PercaleAllocator allocator = percale_allocator_default();
+    PercaleMemory memory = {&allocator, 0};
+    uint32_t edges[LONG - 1][2]; // a chain whose edges grow
+    float lengths[LONG - 1];
+    double place[LONG] = {0.0};
+    for (uint32_t e = 0; e + 1 < LONG; e++) {
+        edges[e][0] = e;
+        edges[e][1] = e + 1;
+        lengths[e] = 1.0f + 0.125f * (float)e;
+        place[e + 1] = place[e] + (double)lengths[e];
+    }
+    const float radius = 3.5f;
+    PercaleNear near;
+    ck_assert(
+        percale_near_build(&near, LONG, (const uint32_t(*)[2])edges, lengths, LONG - 1, radius, &memory));
+    for (uint32_t a = 0; a < LONG; a++) {
+        for (uint32_t b = 0; b < LONG; b++) {
+            double way = fabs(place[a] - place[b]);
+            float expected = way < (double)radius ? (float)way : radius;
+            ck_assert(a == b || near_distance(&near, a, b) == expected);
+        }
+    }
+    percale_near_free(&near, &memory);
+    ck_assert_uint_eq(memory.bytes, 0);
+}
+END_TEST
+
+START_TEST(where_too_many_are_near_the_radius_shrinks)
+{
+    enum { ARMS = 2 * NEAR_MOST }; // a star: all ends are as near as their arm is long
+    PercaleAllocator allocator = percale_allocator_default();
+    PercaleMemory memory = {&allocator, 0};
+    uint32_t edges[ARMS][2];
+    float lengths[ARMS];
+    for (uint32_t e = 0; e < ARMS; e++) {
+        edges[e][0] = 0;
+        edges[e][1] = e + 1;
+        lengths[e] = 1.0f + 0.001f * (float)((e * 37) % ARMS);
+    }
+    PercaleNear near;
+    ck_assert(
+        percale_near_build(&near, ARMS + 1, (const uint32_t(*)[2])edges, lengths, ARMS, 10.0f, &memory));
+    ck_assert(near.radius[0] < 10.0f);
+    for (uint32_t e = 0; e < ARMS; e++) { // a lower bound for all, exact within the radius
+        float distance = near_distance(&near, 0, e + 1);
+        ck_assert(distance == (lengths[e] < near.radius[0] ? lengths[e] : near.radius[0]));
+    }
+    percale_near_free(&near, &memory);
+    ck_assert_uint_eq(memory.bytes, 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("pairs");
+    TCase *pairs = tcase_create("pairs");
+    tcase_set_timeout(pairs, 0);
+    tcase_add_test(pairs, pairs_are_those_of_all_pairs);
+    tcase_add_test(pairs, at_the_times_found_the_volume_is_zero_and_between_them_it_keeps_its_sign);
+    tcase_add_test(pairs, points_that_only_move_along_have_no_time);
+    tcase_add_test(pairs, near_slots_are_those_within_the_radius_along_edges);
+    tcase_add_test(pairs, where_too_many_are_near_the_radius_shrinks);
+    suite_add_tcase(suite, pairs);
+    return percale_test_run(suite);
+}
