@@ -75,7 +75,7 @@ typedef struct PercaleModel {
 
     PercaleModelSurface cloth; // all cloth as a surface, when pairs of features are looked for; its
                                // thickness, friction and mask are those of `cloths`
-    PercaleNear near; // too
+    PercaleNear near;          // too
 
     uint32_t tether_layers; // tethers per slot; see tethers.h
     uint32_t tether_count;  // those that can act
