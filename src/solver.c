@@ -241,6 +241,7 @@ static void drop_model(PercaleSolver *solver)
         percale_proximity_free(&solver->proximities[o], detect);
     }
     percale_tree_free(&solver->cloth_tree, detect);
+    percale_memory_free(detect, solver->noted_position);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
     percale_memory_free(detect, solver->crossings);
@@ -251,6 +252,7 @@ static void drop_model(PercaleSolver *solver)
     percale_memory_free(solve, solver->bend_weights);
     percale_memory_free(solve, solver->bend_relaxations);
     percale_memory_free(solve, solver->seam_targets);
+    solver->noted_position = NULL;
     solver->rays = NULL;
     solver->proximities = NULL;
     solver->frames = NULL;
@@ -345,6 +347,11 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     if (complete && model->cloth.triangle_count > 0) {
         complete = percale_tree_build(&solver->cloth_tree, model->cloth.triangles,
                                       model->cloth.triangle_count, model->position, memory);
+        solver->noted_position = percale_memory_new(memory, model->point_count, sizeof(f32x4));
+        complete = complete && solver->noted_position != NULL;
+    }
+    if (complete && solver->noted_position != NULL) {
+        memcpy(solver->noted_position, model->position, model->point_count * sizeof(f32x4));
     }
     if (!complete) {
         return percale_fail_memory(&solver->error);

@@ -38,6 +38,7 @@ struct PercaleSolver {
     PercaleRays *rays;             // NULL without CCD or obstacles
     PercaleTree cloth_tree;        // of all cloth, when pairs of features are looked for
     PercaleNoteList notes[2];      // of the last pass, and those that are being written
+    f32x4 *noted_position;         // [point_count] when the notes were written
     PercaleStencilList stencils;
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
                                // them

@@ -97,7 +97,8 @@ static bool has_pass(const PercaleSolverDef *def, int substep_index)
 /// Substeps after this one until the next pass, at most.
 static float later_substeps(const PercaleSolverDef *def)
 {
-    return (float)((def->substeps + def->passes - 1) / def->passes - 1);
+    int between = (def->substeps + def->passes - 1) / def->passes;
+    return (float)(between - 1);
 }
 
 static PercalePair pair_of(const Substep *substep, uint32_t obstacle)
@@ -238,10 +239,11 @@ static bool detect_pairs(Substep *substep)
     if (ahead == NULL) {
         return false;
     }
-    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, model->position, ahead,
-                             substep->team);
+    const f32x4 *places[3] = {solver->noted_position, model->position, ahead};
+    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, places, 3, substep->team);
     PercalePairStage stage = {.model = model,
                               .tree = &solver->cloth_tree,
+                              .earlier = solver->noted_position,
                               .ahead = ahead,
                               .known = &solver->notes[0],
                               .later_substeps = later,
@@ -253,6 +255,7 @@ static bool detect_pairs(Substep *substep)
     PercalePairCounts counts = {0};
     bool complete = percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                        &solver->notes[1], &counts);
+    memcpy(solver->noted_position, model->position, model->point_count * sizeof(f32x4));
     PercaleNoteList written = solver->notes[1];
     solver->notes[1] = solver->notes[0];
     solver->notes[0] = written;

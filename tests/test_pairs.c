@@ -125,12 +125,36 @@ static Pair without_nothing(uint32_t vertex, const uint32_t *t, const PercaleClo
     return pair;
 }
 
+/// Features that a vertex has found: each triangle around one finds it.
+typedef struct Found {
+    uint64_t keys[MOST_PAIRS];
+    uint32_t count;
+} Found;
+
+static bool is_new(Found *found, uint64_t key)
+{
+    for (uint32_t i = 0; i < found->count; i++) {
+        if (found->keys[i] == key) {
+            return false;
+        }
+    }
+    found->keys[found->count++] = key;
+    return true;
+}
+
+/// A pair of vertices that see each other belongs to the first.
+static bool belongs_to_other(const PercaleModel *model, const Pair *pair)
+{
+    Pair turned = {{pair->b[0], UINT32_MAX, UINT32_MAX}, {pair->a[0], UINT32_MAX, UINT32_MAX}};
+    return pair->b[1] == UINT32_MAX && pair->b[0] < pair->a[0] && all_agree(model, &turned);
+}
+
 static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
 {
     PercaleSurface surface = {&model->cloth, NULL, model->predicted};
     for (uint32_t vertex = 0; vertex < model->slot_count; vertex++) {
-        uint64_t keys[MOST_PAIRS];
-        uint32_t key_count = 0;
+        Found found;
+        found.count = 0;
         for (uint32_t t = 0; t < model->triangle_count; t++) {
             const uint32_t *corners = model->triangles[t];
             if (has(corners, vertex)) {
@@ -138,26 +162,14 @@ static void list_vertex_pairs(const PercaleModel *model, double reach, PairList 
             }
             PercaleClosest closest = closest_of(model, vertex, corners);
             Pair pair = feature_pair(vertex, corners, closest.region);
-            if (closest.distance2 > reach * reach || !all_agree(model, &pair)) {
+            if (closest.distance2 > reach * reach || !all_agree(model, &pair) ||
+                belongs_to_other(model, &pair) ||
+                !is_new(&found, percale_surface_feature_key(&surface, t, closest.region))) {
                 continue;
             }
-            if (pair.b[1] == UINT32_MAX) { // a pair of vertices that see each other belongs to the first
-                Pair turned = {{pair.b[0], UINT32_MAX, UINT32_MAX}, {vertex, UINT32_MAX, UINT32_MAX}};
-                if (pair.b[0] < vertex && all_agree(model, &turned)) {
-                    continue;
-                }
-            }
-            uint64_t key = percale_surface_feature_key(&surface, t, closest.region);
-            bool known = false; // each triangle around it finds it
-            for (uint32_t i = 0; i < key_count; i++) {
-                known = known || keys[i] == key;
-            }
-            if (!known) {
-                keys[key_count++] = key;
-                Pair shown = without_nothing(vertex, corners, &closest);
-                if (shown.b[2] != UINT32_MAX || closest.distance2 >= MEETING * MEETING) {
-                    add_pair(list, shown);
-                }
+            Pair shown = without_nothing(vertex, corners, &closest);
+            if (shown.b[2] != UINT32_MAX || closest.distance2 >= MEETING * MEETING) {
+                add_pair(list, shown);
             }
         }
     }
@@ -252,8 +264,15 @@ static void find_pairs(PercaleSolver *solver, PairList *list)
     PercaleNoteList none = {0};
     PercalePairCounts counts = {0};
     percale_tree_refit(&solver->cloth_tree, model->cloth.triangles, model->predicted, percale_team_alone());
-    PercalePairStage stage = {model, &solver->cloth_tree, model->predicted, &none, 0.0f, 1e-3f, true, true,
-                              false, percale_team_alone()};
+    PercalePairStage stage = {.model = model,
+                              .tree = &solver->cloth_tree,
+                              .earlier = model->position,
+                              .ahead = model->predicted,
+                              .known = &none,
+                              .dt = 1e-3f,
+                              .cloth = true,
+                              .edges = true,
+                              .team = percale_team_alone()};
     solver->stencils.count = 0;
     ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                  &solver->notes[1], &counts));

@@ -293,12 +293,13 @@ START_TEST(the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_subs
     for (int substeps = 15; substeps <= 20; substeps++) {
         uint32_t previous = 1;
         uint32_t between = 0; // stiffnesses with neither the least nor the largest interval
-        for (float stiffness = 1.0f; stiffness > 1e-10f; stiffness *= 0.5f) {
+        for (int halvings = 0; halvings <= 33; halvings++) {
+            float stiffness = ldexpf(1.0f, -halvings);
             uint32_t interval = bend_interval(stiffness, substeps, &projections);
             ck_assert_uint_eq((uint32_t)substeps % interval, 0);
             ck_assert_uint_eq(projections, (uint32_t)substeps / interval);
             ck_assert_uint_ge(interval, previous);
-            ck_assert(stiffness < 1.0f || interval == 1);
+            ck_assert(halvings > 0 || interval == 1);
             between += interval > 1 && interval < (uint32_t)substeps;
             previous = interval;
         }

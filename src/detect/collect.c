@@ -66,8 +66,9 @@ static bool append_all(PercaleMemory *memory, void *items, size_t *count, size_t
 
 bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, const void *context,
                      PercaleCollectors *collectors, PercaleMemory *memory, PercaleStencilList *stencils,
-                     PercaleNoteList *notes, uint64_t *candidates)
+                     PercaleNoteList *notes)
 {
+    collectors->candidates = 0;
     int thread_count = threads_for(item_count * ITEM_WORK, percale_team_size(team));
     int share_count = thread_count > 1 ? SHARES_PER_THREAD * thread_count : 1;
     share_count = share_count < PERCALE_MAX_THREADS ? share_count : PERCALE_MAX_THREADS;
@@ -85,7 +86,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
     for (int s = 0; s < share_count; s++) {
         const PercaleCollector *share = &collectors->shares[s];
         memory->bytes += share->memory.bytes;
-        *candidates += share->candidates;
+        collectors->candidates += share->candidates;
         complete =
             complete && share->complete &&
             append_all(memory, &stencils->items, &stencils->count, &stencils->capacity, share->stencils.items,

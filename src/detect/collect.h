@@ -41,15 +41,16 @@ typedef struct PercaleCollector {
 
 typedef struct PercaleCollectors {
     PercaleCollector shares[PERCALE_MAX_THREADS];
+    uint64_t candidates; // pairs that the last call has looked at
 } PercaleCollectors;
 
 /// Finds the stencils of the items [first, end).
 typedef void PercaleFind(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end);
 
-/// Appends to `stencils` and to `notes` (NULL: there are none); adds to *candidates. False without memory.
+/// Appends to `stencils` and to `notes` (NULL: there are none). False without memory.
 bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, const void *context,
                      PercaleCollectors *collectors, PercaleMemory *memory, PercaleStencilList *stencils,
-                     PercaleNoteList *notes, uint64_t *candidates);
+                     PercaleNoteList *notes);
 void percale_collectors_free(PercaleCollectors *collectors, PercaleMemory *memory);
 
 /// Adds one to the share's stencils; without memory the share is no longer complete.

@@ -190,6 +190,8 @@ static void find_range(const void *context, PercaleCollector *collector, uint64_
 bool percale_contacts_find(const PercaleContactStage *stage, PercaleCollectors *collectors,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
-    return percale_collect(stage->team, stage->proximity->active_count, find_range, stage, collectors, memory,
-                           list, NULL, candidate_count);
+    bool complete = percale_collect(stage->team, stage->proximity->active_count, find_range, stage,
+                                    collectors, memory, list, NULL);
+    *candidate_count += collectors->candidates;
+    return complete;
 }

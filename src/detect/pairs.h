@@ -7,10 +7,9 @@
 // every pair of features has one stencil (MATH.md, section 7). Two features that share a vertex are no pair;
 // others keep their thickness, or half of the way between them on the rest shape where that is less.
 //
-// Sides. Of a vertex and a face: one bit, that of the start of the substep, unless the path went around the
-// face; a pair that is still on the wrong side when a substep begins is known by its note. Of two edges: the
-// normal is carried on from the note, or from the start of the substep. A rim has no memory. Against an
-// obstacle its oriented surface decides.
+// Sides. Of a vertex and a face: one bit, that of the last pass, unless the path since went around the face;
+// a pair that had a stencil then is known by its note. Of two edges: the normal is carried on from the note,
+// or from where they were. A rim has no memory. Against an obstacle its oriented surface decides.
 
 #ifndef PERCALE_PAIRS_H
 #define PERCALE_PAIRS_H
@@ -19,8 +18,9 @@
 
 typedef struct PercalePairStage {
     const PercaleModel *model;
-    const PercaleTree *tree;      // of the cloth's triangles, from `position` to `ahead`
-    const f32x4 *ahead;           // [point_count] where the points would be at the next pass
+    const PercaleTree *tree;      // of the cloth's triangles, over `earlier`, `position` and `ahead`
+    const f32x4 *earlier;         // [point_count] where the points were when `known` was written
+    const f32x4 *ahead;           // [point_count] where they would be at the next pass
     const PercaleNoteList *known; // ascending by key
     float later_substeps;         // until the next pass
     float dt;                     // s, of a substep

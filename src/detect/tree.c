@@ -62,17 +62,28 @@ static void set_child(PercaleTreeNode *node, uint32_t child, f32x4 low, f32x4 hi
 static const f32x4 ABSENT_LOW = {INFINITY, INFINITY, INFINITY, 0.0f};
 static const f32x4 ABSENT_HIGH = {-INFINITY, -INFINITY, -INFINITY, 0.0f};
 
-static void refit_lowest(PercaleTree *tree, uint32_t node, const uint32_t *triangles, const f32x4 *from,
-                         const f32x4 *to)
+/// What the chunks of a refit share.
+typedef struct Refit {
+    PercaleTree *tree;
+    const uint32_t *triangles;
+    const f32x4 *const *places;
+    int place_count;
+    uint32_t level;
+} Refit;
+
+static void refit_lowest(const Refit *refit, uint32_t node)
 {
+    PercaleTree *tree = refit->tree;
     for (uint32_t child = 0; child < TREE_WIDTH; child++) {
         uint32_t place = TREE_WIDTH * node + child;
         f32x4 low = ABSENT_LOW;
         f32x4 high = ABSENT_HIGH;
         for (uint32_t k = 0; place < tree->triangle_count && k < 3; k++) {
-            uint32_t point = triangles[3 * (size_t)tree->order[place] + k];
-            low = min4(min4(low, from[point]), to[point]);
-            high = max4(max4(high, from[point]), to[point]);
+            uint32_t point = refit->triangles[3 * (size_t)tree->order[place] + k];
+            for (int i = 0; i < refit->place_count; i++) {
+                low = min4(low, refit->places[i][point]);
+                high = max4(high, refit->places[i][point]);
+            }
         }
         set_child(&tree->nodes[node], child, low, high);
     }
@@ -96,20 +107,12 @@ static void refit_inner(PercaleTree *tree, uint32_t level, uint32_t node)
     }
 }
 
-/// What the chunks of a refit share.
-typedef struct Refit {
-    PercaleTree *tree;
-    const uint32_t *triangles;
-    const f32x4 *from, *to;
-    uint32_t level;
-} Refit;
-
 static void refit_range(void *context, uint32_t first, uint32_t end)
 {
     const Refit *refit = context;
     for (uint32_t node = first; node < end; node++) {
         if (refit->level == 0) {
-            refit_lowest(refit->tree, node, refit->triangles, refit->from, refit->to);
+            refit_lowest(refit, node);
         } else {
             refit_inner(refit->tree, refit->level, node);
         }
@@ -118,17 +121,17 @@ static void refit_range(void *context, uint32_t first, uint32_t end)
 
 void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team)
 {
-    percale_tree_refit_swept(tree, triangles, points, points, team);
+    percale_tree_refit_swept(tree, triangles, &points, 1, team);
 }
 
-void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *from,
-                              const f32x4 *to, PercaleTeam *team)
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *const *places,
+                              int place_count, PercaleTeam *team)
 {
     enum { GRAIN_NODES = GRAIN / (4 * TREE_WIDTH) };
     Refit levels[TREE_LEVELS_MAX];
     PercalePhase phases[TREE_LEVELS_MAX];
     for (uint32_t level = 0; level < tree->level_count; level++) {
-        levels[level] = (Refit){tree, triangles, from, to, level};
+        levels[level] = (Refit){tree, triangles, places, place_count, level};
         phases[level] = (PercalePhase){refit_range, &levels[level], 0, tree->level_size[level], GRAIN_NODES};
     }
     percale_team_run(team, phases, tree->level_count);

@@ -32,9 +32,9 @@ typedef struct PercaleTree {
 bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
                         const f32x4 *points, PercaleMemory *memory);
 void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team);
-/// Boxes over both places of the points.
-void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *from,
-                              const f32x4 *to, PercaleTeam *team);
+/// Boxes over several places of the points.
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *const *places,
+                              int place_count, PercaleTeam *team);
 void percale_tree_free(PercaleTree *tree, PercaleMemory *memory);
 
 /// A growing list of triangles.

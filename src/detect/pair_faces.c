@@ -1,0 +1,350 @@
+#include "detect/coplanar.h"
+#include "detect/pair_parts.h"
+
+#include <string.h>
+
+/// The side that is known of a vertex and a face, or of the vertex and a neighbour of the face: a vertex that
+/// slides on below the cloth stays below it. 0: none.
+static int known_side(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle)
+{
+    const PercaleNoteList *known = stage->known;
+    const PercaleModelSurface *cloth = &stage->model->cloth;
+    const PercalePairNote *note = percale_pair_find_note(known, face_key(vertex, triangle));
+    if (note != NULL) {
+        return note->normal[3] > 0.0f ? 1 : -1;
+    }
+    for (uint32_t side = 3 * triangle; known->count > 0 && side < 3 * triangle + 3; side++) {
+        uint32_t edge = cloth->edges.edge_of_side[side];
+        for (uint32_t i = cloth->edges.first_side[edge]; i < cloth->edges.first_side[edge + 1]; i++) {
+            uint32_t other = cloth->edges.sides[i];
+            note = other != side ? percale_pair_find_note(known, face_key(vertex, other / 3)) : NULL;
+            if (note != NULL) {
+                int turned = cloth->triangles[other] == cloth->triangles[side] ? -1 : 1;
+                return note->normal[3] > 0.0f ? turned : -turned;
+            }
+        }
+    }
+    return 0;
+}
+
+/// A vertex seen from a face, over the substep.
+typedef struct FaceView {
+    uint32_t points[4]; // the vertex, the triangle
+    Keep keep;
+    PercaleClosest closest; // at the end
+    double distance;        // m
+    double side_scale;      // twice the triangle's area at the end, 0 without
+    Vec3 unit;              // its normal
+    int start_side, end_side;
+    bool has_passed;   // through the inside of the face, on the way
+    double passing[3]; // where
+} FaceView;
+
+static Vec3 area_of(const Vec3 corners[3])
+{
+    return vcross(vsub(corners[1], corners[0]), vsub(corners[2], corners[0]));
+}
+
+/// Barycentric coordinates of the point x[0] in the triangle of the others. False when it isn't above its
+/// inside.
+static bool weigh(const Vec3 *x, double weights[3])
+{
+    Vec3 area = area_of(x + 1);
+    double scale = vdot(area, area);
+    if (!(scale > 0.0)) {
+        return false;
+    }
+    bool inside = true;
+    for (int k = 0; k < 3; k++) {
+        Vec3 a = x[1 + (k + 1) % 3];
+        Vec3 b = x[1 + (k + 2) % 3];
+        weights[k] = vdot(area, vcross(vsub(b, a), vsub(x[0], a))) / scale;
+        inside = inside && weights[k] >= -SEAMLESS;
+    }
+    return inside;
+}
+
+/// Whether the vertex has gone through the inside of the face, straight paths taken, and not come back; where
+/// that was.
+static bool has_gone_through(const Vec3 *from, const Vec3 *to, double weights[3])
+{
+    double times[3];
+    int count = percale_coplanar_times(from, to, times);
+    int passages = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 x[4];
+        double here[3];
+        place_at(from, to, times[i], x);
+        if (weigh(x, here)) {
+            memcpy(weights, here, sizeof(here));
+            passages++;
+        }
+    }
+    return passages % 2 == 1;
+}
+
+static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle, Keep keep)
+{
+    const uint32_t *corners = stage->model->cloth.triangles + 3 * (size_t)triangle;
+    FaceView view = {.points = {vertex, corners[0], corners[1], corners[2]}, .keep = keep};
+    Vec3 from[4];
+    Vec3 to[4];
+    for (int k = 0; k < 4; k++) {
+        from[k] = start_of(stage, view.points[k]);
+        to[k] = end_of(stage, view.points[k]);
+    }
+    view.closest = percale_closest_on_triangle(to[0], to[1], to[2], to[3]);
+    view.distance = sqrt(view.closest.distance2);
+    Vec3 area[2] = {area_of(from + 1), area_of(to + 1)};
+    view.side_scale = vlength(area[1]);
+    view.unit = vunit(area[1]);
+    view.start_side = vdot(area[0], vsub(from[0], from[1])) >= 0.0 ? 1 : -1;
+    view.end_side = vdot(area[1], vsub(to[0], to[1])) >= 0.0 ? 1 : -1;
+    view.has_passed = view.start_side != view.end_side && has_gone_through(from, to, view.passing);
+    return view;
+}
+
+/// Distance of the vertex and the face when the substep began, m.
+static double start_distance(const PercalePairStage *stage, const uint32_t points[4])
+{
+    return sqrt(percale_closest_on_triangle(start_of(stage, points[0]), start_of(stage, points[1]),
+                                            start_of(stage, points[2]), start_of(stage, points[3]))
+                    .distance2);
+}
+
+static void add_face(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
+                     uint32_t triangle, int side, const double weights[3])
+{
+    double start = start_distance(stage, view->points);
+    Push push = {false,
+                 {1.0, -weights[0], -weights[1], -weights[2]},
+                 vscale((double)side, view->unit),
+                 side == view->start_side ? start : -start,
+                 allowed(view->keep.thickness,
+                         percale_pair_rest_distance(stage, view->points, 1, view->points + 1, 3)),
+                 view->keep.friction};
+    percale_pair_add(stage, collector, view->points, &push);
+    percale_collect_note(collector, (PercalePairNote){face_key(view->points[0], triangle),
+                                                      {0.0f, 0.0f, 0.0f, side > 0 ? 1.0f : -1.0f}});
+}
+
+/// Whether the solver has pushed the vertex through the face since the last pass.
+static bool was_pushed_through(const PercalePairStage *stage, const FaceView *view)
+{
+    Vec3 earlier[4];
+    Vec3 start[4];
+    double weights[3];
+    for (int k = 0; k < 4; k++) {
+        earlier[k] = earlier_of(stage, view->points[k]);
+        start[k] = start_of(stage, view->points[k]);
+    }
+    int side = vdot(area_of(earlier + 1), vsub(earlier[0], earlier[1])) >= 0.0 ? 1 : -1;
+    return side != view->start_side && has_gone_through(earlier, start, weights);
+}
+
+/// The side that a vertex keeps to: as it is known; else that of the start, unless it was pushed there. The
+/// path changes it only where it leads around the face.
+static int side_of(const PercalePairStage *stage, const FaceView *view, uint32_t triangle)
+{
+    if (view->start_side != view->end_side && !view->has_passed) {
+        return view->end_side;
+    }
+    int known = known_side(stage, view->points[0], triangle);
+    if (known != 0) {
+        return known;
+    }
+    return was_pushed_through(stage, view) ? -view->start_side : view->start_side;
+}
+
+/// Whether a vertex is in the region of a corner of the cloth, as each triangle around that says.
+static bool sees_corner(const PercalePairStage *stage, uint32_t vertex, uint32_t corner)
+{
+    const PercaleModelSurface *cloth = &stage->model->cloth;
+    for (uint32_t i = cloth->vertex_first_face[corner]; i < cloth->vertex_first_face[corner + 1]; i++) {
+        const uint32_t *t = cloth->triangles + 3 * (size_t)cloth->vertex_faces[i];
+        PercaleClosest closest = percale_closest_on_triangle(end_of(stage, vertex), end_of(stage, t[0]),
+                                                             end_of(stage, t[1]), end_of(stage, t[2]));
+        if (closest.region < REGION_CORNER_0 || t[closest.region - REGION_CORNER_0] != corner) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// A vertex and an edge or a vertex: along the line between the closest points. The rim has no memory.
+static void add_rim(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view)
+{
+    PercaleRegion region = view->closest.region;
+    if (region >= REGION_CORNER_0) { // a pair of vertices belongs to the first of them, if both see it
+        uint32_t corner = view->points[1 + (int)(region - REGION_CORNER_0)];
+        if (corner < view->points[0] && sees_corner(stage, corner, view->points[0])) {
+            return;
+        }
+    }
+    const double *b = view->closest.weights;
+    Push push = {false,
+                 {1.0, -b[0], -b[1], -b[2]},
+                 {0.0, 0.0, 0.0},
+                 start_distance(stage, view->points),
+                 allowed(view->keep.thickness,
+                         percale_pair_rest_distance(stage, view->points, 1, view->points + 1, 3)),
+                 view->keep.friction};
+    Vec3 between = combine(stage, view->points, push.weights, false);
+    if (vlength(between) <= NO_DIRECTION * (double)view->keep.thickness) {
+        between = combine(stage, view->points, push.weights, true);
+    }
+    push.normal = vunit(between);
+    if (vdot(push.normal, push.normal) > 0.0) {
+        percale_pair_add(stage, collector, view->points, &push);
+    }
+}
+
+static bool has_corner(const uint32_t *corners, uint32_t vertex)
+{
+    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
+}
+
+/// Sewn to a line: no face.
+static bool is_line(const uint32_t *corners)
+{
+    return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+}
+
+static void add_feature(PercaleCollector *collector, PercaleFeature feature)
+{
+    PercaleFeatureList *list = &collector->features;
+    if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
+                               sizeof(feature))) {
+        list->items[list->count++] = feature;
+    } else {
+        collector->complete = false;
+    }
+}
+
+/// Features in whose region the vertex is: faces, and edges and vertices of which all triangles say so.
+static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
+{
+    PercaleSurface cloth = {&stage->model->cloth, stage->tree, stage->model->predicted};
+    PercaleFeatureList *list = &collector->features;
+    percale_surface_sort(&cloth, list);
+    for (size_t first = 0, end; first < list->count; first = end) {
+        PercaleFeature feature = list->items[first];
+        PercaleRegion region = feature.closest.region;
+        uint64_t key = percale_surface_feature_key(&cloth, feature.triangle, region);
+        for (end = first + 1; end < list->count; end++) {
+            if (percale_surface_feature_key(&cloth, list->items[end].triangle,
+                                            list->items[end].closest.region) != key) {
+                break;
+            }
+        }
+        if (end - first != percale_surface_face_count(&cloth, feature.triangle, region)) {
+            continue;
+        }
+        Keep keep;
+        (void)keep_of(stage->model, vertex, cloth.mesh->triangles[3 * (size_t)feature.triangle], &keep);
+        FaceView view = view_face(stage, vertex, feature.triangle, keep);
+        if (region == REGION_FACE) {
+            add_face(stage, collector, &view, feature.triangle, view.end_side, feature.closest.weights);
+        } else {
+            add_rim(stage, collector, &view);
+        }
+    }
+}
+
+/// A vertex of the cloth. While it is on the wrong side of a face it gets no other stencils: they would hold
+/// it there.
+void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
+{
+    const PercaleModel *model = stage->model;
+    float radius = percale_pair_widest_reach(stage, model->cloths[model->cloth_of[vertex]].thickness);
+    collector->features.count = 0;
+    Box box = widen(box_of(stage, vertex, vertex), radius);
+    if (!percale_pair_gather(stage, collector, &box)) {
+        return;
+    }
+    bool held = false;
+    for (size_t i = 0; i < collector->triangles.count; i++) {
+        uint32_t triangle = collector->triangles.items[i];
+        const uint32_t *corners = model->cloth.triangles + 3 * (size_t)triangle;
+        Keep keep;
+        if (has_corner(corners, vertex) || is_line(corners) || !keep_of(model, vertex, corners[0], &keep)) {
+            continue;
+        }
+        collector->candidates++;
+        FaceView view = view_face(stage, vertex, triangle, keep);
+        const double *b = view.closest.weights;
+        const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
+        bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
+        bool above = view.closest.region == REGION_FACE;
+        if (view.side_scale > 0.0 && (view.has_passed || (above && near))) {
+            int side = side_of(stage, &view, triangle);
+            if (side != view.end_side) {
+                add_face(stage, collector, &view, triangle, side, above ? b : view.passing);
+                held = true;
+                continue;
+            }
+        }
+        if (near) {
+            add_feature(collector, (PercaleFeature){triangle, view.closest});
+        }
+    }
+    if (!held) {
+        add_features(stage, collector, vertex);
+    }
+}
+
+// ---- obstacles ----
+
+static const PercaleModelSurface *obstacle_of(const PercaleModel *model, uint32_t point)
+{
+    uint32_t o = 0;
+    while (point - model->obstacles[o].first_point >= model->obstacles[o].vertex_count) {
+        o++;
+    }
+    return &model->obstacles[o];
+}
+
+/// An obstacle's vertex below the inside of a face of the cloth; its edges and vertices are those of the
+/// cloth's vertices and edges.
+void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCollector *collector,
+                                       uint32_t point)
+{
+    const PercaleModel *model = stage->model;
+    const PercaleModelSurface *obstacle = obstacle_of(model, point);
+    Box box = widen(box_of(stage, point, point), percale_pair_widest_reach(stage, obstacle->thickness));
+    if (!percale_pair_gather(stage, collector, &box) || collector->triangles.count == 0) {
+        return;
+    }
+    const uint32_t *first = obstacle->vertex_first_face + (point - obstacle->first_point);
+    Vec3 outward =
+        percale_pair_outward(stage, obstacle, obstacle->vertex_faces + first[0], first[1] - first[0], 1);
+    for (size_t i = 0; i < collector->triangles.count; i++) {
+        uint32_t triangle = collector->triangles.items[i];
+        const uint32_t *corners = model->cloth.triangles + 3 * (size_t)triangle;
+        Keep keep;
+        if (is_line(corners) || !keep_of_obstacle(model, corners[0], obstacle, &keep)) {
+            continue;
+        }
+        collector->candidates++;
+        FaceView view = view_face(stage, point, triangle, keep);
+        double across = vdot(view.unit, outward);
+        int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
+        const double *b = view.closest.weights;
+        const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
+        bool near = view.closest.region == REGION_FACE &&
+                    view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
+        if ((!near && !view.has_passed) || fabs(across) < CLEAR_SIDE ||
+            (!obstacle->closed && view.start_side != side)) { // the cloth came from behind
+            continue;
+        }
+        double start = start_distance(stage, view.points);
+        const double *at = near ? b : view.passing;
+        Push push = {false,
+                     {1.0, -at[0], -at[1], -at[2]},
+                     vscale((double)side, view.unit),
+                     side == view.start_side ? start : -start,
+                     keep.thickness,
+                     keep.friction};
+        percale_pair_add(stage, collector, view.points, &push);
+    }
+}

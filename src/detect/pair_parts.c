@@ -1,0 +1,102 @@
+#include "detect/pair_parts.h"
+
+#include <string.h>
+
+bool percale_pair_gather(const PercalePairStage *stage, PercaleCollector *collector, const Box *box)
+{
+    bool complete =
+        percale_tree_overlap(stage->tree, box->low, box->high, &collector->memory, &collector->triangles);
+    collector->complete = collector->complete && complete;
+    return complete;
+}
+
+float percale_pair_widest_reach(const PercalePairStage *stage, float thickness)
+{
+    float thickest = 0.0f;
+    for (uint32_t c = 0; c < stage->model->cloth_count; c++) {
+        thickest = fmaxf(thickest, stage->model->cloths[c].thickness);
+    }
+    return 1.001f * (thickness + thickest); // twice the mean
+}
+
+double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const uint32_t points[4],
+                          const double weights[4])
+{
+    double reach = 2.0 * (double)keep->thickness;
+    if (stage->later_substeps > 0.0f) {
+        Vec3 moved = vsub(combine(stage, points, weights, false), combine(stage, points, weights, true));
+        reach += (double)stage->later_substeps * vlength(moved);
+    }
+    return reach;
+}
+
+void percale_pair_add(const PercalePairStage *stage, PercaleCollector *collector, const uint32_t points[4],
+                      const Push *push)
+{
+    float risen = (float)push->start_gap + EXIT_SPEED * stage->dt;
+    PercaleStencil stencil = {.normal =
+                                  f32x4_of(push->normal, risen < push->thickness ? risen : push->thickness),
+                              .friction = push->friction};
+    memcpy(stencil.points, points, sizeof(stencil.points));
+    // multiples of 2^-24: those of each sign sum to exactly 1
+    if (push->edges) {
+        const double first[3] = {push->weights[0], push->weights[1], 0.0};
+        const double second[3] = {-push->weights[2], -push->weights[3], 0.0};
+        float a[3];
+        float b[3];
+        quantize_weights(first, a);
+        quantize_weights(second, b);
+        stencil.weights[0] = 1.0f - a[1];
+        stencil.weights[1] = a[1];
+        stencil.weights[2] = -(1.0f - b[1]);
+        stencil.weights[3] = -b[1];
+    } else {
+        const double face[3] = {-push->weights[1], -push->weights[2], -push->weights[3]};
+        float b[3];
+        quantize_weights(face, b);
+        stencil.weights[0] = 1.0f;
+        for (int k = 0; k < 3; k++) {
+            stencil.weights[1 + k] = -b[k];
+        }
+    }
+    percale_collect_stencil(collector, &stencil);
+}
+
+const PercalePairNote *percale_pair_find_note(const PercaleNoteList *known, uint64_t key)
+{
+    size_t low = 0;
+    size_t high = known->count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (known->items[middle].key < key) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < known->count && known->items[low].key == key ? &known->items[low] : NULL;
+}
+
+float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *a, int a_count,
+                                 const uint32_t *b, int b_count)
+{
+    float nearest = INFINITY;
+    for (int i = 0; i < a_count; i++) {
+        for (int k = 0; k < b_count; k++) {
+            float distance = near_distance(&stage->model->near, a[i], b[k]);
+            nearest = distance < nearest ? distance : nearest;
+        }
+    }
+    return nearest;
+}
+
+Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
+                          const uint32_t *faces, uint32_t count, uint32_t divisor)
+{
+    PercaleSurface surface = {obstacle, NULL, stage->model->predicted};
+    Vec3 sum = {0.0, 0.0, 0.0};
+    for (uint32_t i = 0; i < count; i++) {
+        sum = vadd(sum, percale_surface_face_normal(&surface, faces[i] / divisor));
+    }
+    return vunit(sum);
+}
