@@ -167,27 +167,27 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
                          (PercalePairNote){edge_key(edges[0], edges[1]), f32x4_of(push.normal, 0.0f)});
 }
 
-/// An obstacle's edge against one of the cloth: out of the obstacle.
-static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector,
-                                    const PercaleModelSurface *obstacle, Vec3 outward,
-                                    const uint32_t points[4], Keep keep)
+/// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.
+static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector, uint64_t key,
+                                    Vec3 outward, const uint32_t points[4], Keep keep)
 {
     EdgeView view;
     if (!view_edges(stage, points, &keep, &view)) {
         return;
     }
+    Vec3 before = start_between(&view);
+    Vec3 reference = reference_of(stage, points, &view, percale_pair_find_note(stage->known, key), before);
     Push push = {.edges = true,
-                 .normal = directed(&view, outward, (double)keep.thickness),
+                 .normal = directed(&view, reference, (double)keep.thickness),
+                 .start_gap = vdot(before, reference) >= 0.0 ? vlength(before) : -vlength(before),
                  .thickness = keep.thickness,
                  .friction = keep.friction};
-    Vec3 before = start_between(&view);
-    bool was_outside = vdot(before, outward) >= 0.0;
-    if (fabs(vdot(push.normal, outward)) < CLEAR_SIDE || (!obstacle->closed && !was_outside)) {
+    if (vdot(push.normal, outward) < CLEAR_SIDE) { // the cloth came from behind
         return;
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));
-    push.start_gap = was_outside ? vlength(before) : -vlength(before);
     percale_pair_add(stage, collector, points, &push);
+    percale_collect_note(collector, (PercalePairNote){key, f32x4_of(push.normal, 0.0f)});
 }
 
 /// An edge of the cloth that this triangle is the first to have; UINT32_MAX: its side belongs to another.
@@ -238,6 +238,10 @@ void percale_pair_find_obstacle_edge(const PercalePairStage *stage, PercaleColle
     if (!percale_pair_gather(stage, collector, &box) || collector->triangles.count == 0) {
         return;
     }
+    uint32_t first_edge = 0; // in a numbering of all obstacles' edges
+    for (const PercaleModelSurface *o = model->obstacles; o < obstacle; o++) {
+        first_edge += o->edges.edge_count;
+    }
     uint32_t first = obstacle->edges.first_side[edge];
     Vec3 outward = percale_pair_outward(stage, obstacle, obstacle->edges.sides + first,
                                         obstacle->edges.first_side[edge + 1] - first, 3);
@@ -254,6 +258,7 @@ void percale_pair_find_obstacle_edge(const PercalePairStage *stage, PercaleColle
             continue;
         }
         collector->candidates++;
-        find_obstacle_edge_pair(stage, collector, obstacle, outward, points, keep);
+        find_obstacle_edge_pair(stage, collector, obstacle_edge_key(other, first_edge + edge), outward,
+                                points, keep);
     }
 }

@@ -112,6 +112,12 @@ static double start_distance(const PercalePairStage *stage, const uint32_t point
                     .distance2);
 }
 
+static void note_side(PercaleCollector *collector, uint32_t vertex, uint32_t triangle, int side)
+{
+    const f32x4 normal = {0.0f, 0.0f, 0.0f, side > 0 ? 1.0f : -1.0f};
+    percale_collect_note(collector, (PercalePairNote){face_key(vertex, triangle), normal});
+}
+
 static void add_face(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
                      uint32_t triangle, int side, const double weights[3])
 {
@@ -124,8 +130,7 @@ static void add_face(const PercalePairStage *stage, PercaleCollector *collector,
                          percale_pair_rest_distance(stage, view->points, 1, view->points + 1, 3)),
                  view->keep.friction};
     percale_pair_add(stage, collector, view->points, &push);
-    percale_collect_note(collector, (PercalePairNote){face_key(view->points[0], triangle),
-                                                      {0.0f, 0.0f, 0.0f, side > 0 ? 1.0f : -1.0f}});
+    note_side(collector, view->points[0], triangle, side);
 }
 
 /// Whether the solver has pushed the vertex through the face since the last pass.
@@ -334,7 +339,7 @@ void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCol
         bool near = view.closest.region == REGION_FACE &&
                     view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
         if ((!near && !view.has_passed) || fabs(across) < CLEAR_SIDE ||
-            (!obstacle->closed && view.start_side != side)) { // the cloth came from behind
+            side_of(stage, &view, triangle) != side) { // the cloth came from behind
             continue;
         }
         double start = start_distance(stage, view.points);
@@ -346,5 +351,6 @@ void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCol
                      keep.thickness,
                      keep.friction};
         percale_pair_add(stage, collector, view.points, &push);
+        note_side(collector, point, triangle, side);
     }
 }

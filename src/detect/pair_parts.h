@@ -149,6 +149,11 @@ static inline uint64_t edge_key(uint32_t edge, uint32_t other)
     return (uint64_t)1 << 62 | (uint64_t)edge << 31 | other;
 }
 
+static inline uint64_t obstacle_edge_key(uint32_t edge, uint32_t other)
+{
+    return (uint64_t)2 << 62 | (uint64_t)edge << 31 | other;
+}
+
 /// NULL: nothing is known of the pair.
 const PercalePairNote *percale_pair_find_note(const PercaleNoteList *known, uint64_t key);
 
