@@ -2,10 +2,8 @@
 // ways on the rest shape.
 
 #include "detect/coplanar.h"
-#include "detect/pairs.h"
+#include "pairs_testing.h"
 #include "percale/geometry.h"
-#include "solver.h"
-#include "testing.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -260,22 +258,9 @@ static void compare(const PairList *found, const PairList *expected, int round)
 
 static void find_pairs(PercaleSolver *solver, PairList *list)
 {
-    PercaleModel *model = &solver->model;
-    PercaleNoteList none = {0};
-    PercalePairCounts counts = {0};
-    percale_tree_refit(&solver->cloth_tree, model->cloth.triangles, model->predicted, percale_team_alone());
-    PercalePairStage stage = {.model = model,
-                              .tree = &solver->cloth_tree,
-                              .earlier = model->position,
-                              .ahead = model->predicted,
-                              .known = &none,
-                              .dt = 1e-3f,
-                              .cloth = true,
-                              .edges = true,
-                              .team = percale_team_alone()};
-    solver->stencils.count = 0;
-    ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
-                                 &solver->notes[1], &counts));
+    const PercaleModel *model = &solver->model;
+    const PercaleNoteList none = {0};
+    PercalePairCounts counts = percale_test_find_pairs(solver, model->position, &none, false);
     list->count = 0;
     list_stencils(model, &solver->stencils, list);
     qsort(list->items, list->count, sizeof(Pair), by_points);
@@ -319,235 +304,6 @@ START_TEST(pairs_are_those_of_all_pairs)
     free(expected);
     percale_solver_destroy(solver);
     percale_mesh_free(&mesh);
-}
-END_TEST
-
-// ---- sides ----
-
-/// Two sheets of one cell, 0.1 m wide: `face` lies level, a corner of `other` is what it meets. Times: when
-/// the notes were written, at the start of the substep, at its end.
-typedef struct Meeting {
-    PercaleSolver *solver;
-    PercaleMesh mesh;
-    f32x4 *earlier;
-    uint32_t corner; // of `other`: its slot
-} Meeting;
-
-static void place_other(Meeting *meeting, f32x4 *points, float x, float y, float z)
-{
-    const PercaleModel *model = &meeting->solver->model;
-    for (uint32_t i = 0; i < model->cloths[1].vertex_count; i++) {
-        const float *at = meeting->mesh.positions + 3 * (size_t)i;
-        f32x4 *point = &points[model->cloths[1].slots[i]];
-        // it hangs up from its first corner, steeply, so that nothing but that is near
-        *point = (f32x4){x + (at[0] + 0.05f) * 0.3f, y + (at[0] + 0.05f) + (at[2] + 0.05f),
-                         z + (at[2] + 0.05f) * 0.3f, (*point)[3]};
-    }
-}
-
-static void open_meeting(Meeting *meeting)
-{
-    PercaleSolverDef def = percale_solver_def_default();
-    def.self_collision = def.edge_edge = 1;
-    meeting->solver = percale_test_solver(def);
-    meeting->mesh = percale_test_sheet(2, 0.1f);
-    (void)percale_test_add_cloth(meeting->solver, &meeting->mesh);
-    (void)percale_test_add_cloth(meeting->solver, &meeting->mesh);
-    PERCALE_TEST_OK(meeting->solver, percale_solver_prepare(meeting->solver));
-    PercaleModel *model = &meeting->solver->model;
-    meeting->corner = model->cloths[1].slots[0];
-    meeting->earlier = malloc(model->point_count * sizeof(f32x4));
-    memcpy(meeting->earlier, model->position, model->point_count * sizeof(f32x4));
-}
-
-static void close_meeting(Meeting *meeting)
-{
-    place_other(meeting, meeting->solver->model.position, 0.0f, 0.0f, 0.0f);
-    free(meeting->earlier);
-    percale_solver_destroy(meeting->solver);
-    percale_mesh_free(&meeting->mesh);
-}
-
-/// Height of the normal of the corner's stencil with a face; 0 without one.
-static float push_of(Meeting *meeting, const PercaleNoteList *known)
-{
-    PercaleSolver *solver = meeting->solver;
-    PercaleModel *model = &solver->model;
-    PercalePairCounts counts = {0};
-    const f32x4 *places[3] = {meeting->earlier, model->position, model->predicted};
-    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, places, 3, percale_team_alone());
-    PercalePairStage stage = {.model = model,
-                              .tree = &solver->cloth_tree,
-                              .earlier = meeting->earlier,
-                              .ahead = model->predicted,
-                              .known = known,
-                              .dt = 1e-3f,
-                              .cloth = true,
-                              .edges = true,
-                              .team = percale_team_alone()};
-    solver->stencils.count = 0;
-    ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
-                                 &solver->notes[1], &counts));
-    for (size_t i = 0; i < solver->stencils.count; i++) {
-        const PercaleStencil *stencil = &solver->stencils.items[i];
-        if (stencil->points[0] == meeting->corner && stencil->weights[1] < 0.0f &&
-            stencil->weights[2] < 0.0f && stencil->weights[3] < 0.0f) {
-            return stencil->normal[1];
-        }
-    }
-    return 0.0f;
-}
-
-/// The ways of the corner: where it was earlier, at the start and at the end; which way it is pushed.
-static const struct {
-    float x[3][2]; // level place (of x; z is 0.01) and height
-    float push;
-} WAYS[] = {
-    {{{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, 0.001f}}, 1.0f},     // comes near from above
-    {{{-0.02f, -0.003f}, {-0.02f, -0.003f}, {-0.02f, -0.001f}}, -1.0f}, // from below
-    {{{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, -0.002f}}, 1.0f},    // would go through
-    {{{-0.02f, -0.003f}, {-0.02f, -0.003f}, {-0.02f, 0.002f}}, -1.0f},  // too, upwards
-    {{{-0.02f, 0.050f}, {-0.02f, 0.050f}, {-0.02f, -0.050f}}, 1.0f},    // far
-    {{{-0.08f, 0.003f}, {-0.08f, 0.003f}, {-0.02f, -0.001f}}, 1.0f},    // through, beside the rim at first
-    {{{-0.08f, 0.001f}, {-0.08f, 0.001f}, {-0.02f, -0.003f}}, -1.0f},   // around the rim
-    {{{-0.02f, 0.003f}, {-0.02f, -0.002f}, {-0.02f, -0.003f}}, 1.0f},   // was pushed through in the solver
-    {{{-0.02f, -0.003f}, {-0.02f, 0.002f}, {-0.02f, 0.003f}}, -1.0f},   // too, upwards
-};
-
-static void go(Meeting *meeting, const float x[3][2])
-{
-    PercaleModel *model = &meeting->solver->model;
-    f32x4 *places[3] = {meeting->earlier, model->position, model->predicted};
-    for (int i = 0; i < 3; i++) {
-        place_other(meeting, places[i], x[i][0], x[i][1], 0.01f);
-    }
-}
-
-START_TEST(a_vertex_keeps_the_side_that_its_path_says)
-{
-    const PercaleNoteList none = {0};
-    for (size_t i = 0; i < sizeof(WAYS) / sizeof(WAYS[0]); i++) {
-        Meeting meeting;
-        open_meeting(&meeting);
-        go(&meeting, WAYS[i].x);
-        float push = push_of(&meeting, &none);
-        ck_assert_msg(fabsf(push - WAYS[i].push) < 1e-6f, "way %zu: %g", i, (double)push);
-        close_meeting(&meeting);
-    }
-}
-END_TEST
-
-/// What was above is still pushed up when it has been below for a while, also under the neighbouring face.
-START_TEST(a_note_keeps_the_side_while_the_vertex_is_below)
-{
-    Meeting meeting;
-    open_meeting(&meeting);
-    PercaleSolver *solver = meeting.solver;
-    const PercaleNoteList none = {0};
-    const float through[3][2] = {{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, -0.002f}};
-    const float below[3][2] = {{-0.02f, -0.002f}, {-0.02f, -0.002f}, {-0.015f, -0.002f}};
-    const float beside[3][2] = {{-0.015f, -0.002f}, {-0.015f, -0.002f}, {0.03f, -0.002f}};
-    const float(*const ways[3])[2] = {through, below, beside};
-    for (int i = 0; i < 3; i++) {
-        go(&meeting, ways[i]);
-        PercaleNoteList known = solver->notes[0];
-        float push = push_of(&meeting, i == 0 ? &none : &known);
-        ck_assert_msg(fabsf(push - 1.0f) < 1e-6f, "step %d: %g", i, (double)push);
-        solver->notes[0] = solver->notes[1];
-        solver->notes[1] = known;
-    }
-    ck_assert(push_of(&meeting, &none) < 0.0f); // without a note it is on the side where it is
-    close_meeting(&meeting);
-}
-END_TEST
-
-/// Two long edges across each other, one moves through the other, or doesn't: the normal is that of the
-/// start.
-START_TEST(edges_keep_the_side_that_their_path_says)
-{
-    const float HEIGHTS[][3] = {{0.003f, 0.003f, 0.001f},
-                                {0.003f, 0.003f, -0.002f},
-                                {-0.003f, -0.003f, 0.002f},
-                                {0.003f, -0.002f, -0.003f},
-                                {0.05f, 0.05f, -0.05f}};
-    const PercaleNoteList none = {0};
-    for (size_t i = 0; i < sizeof(HEIGHTS) / sizeof(HEIGHTS[0]); i++) {
-        Meeting meeting;
-        open_meeting(&meeting);
-        PercaleSolver *solver = meeting.solver;
-        PercaleModel *model = &solver->model;
-        f32x4 *places[3] = {meeting.earlier, model->position, model->predicted};
-        for (int p = 0; p < 3; p++) {
-            for (uint32_t v = 0; v < 4; v++) { // upright sheets: row 0 at the height, row 1 away from it
-                const float *at = meeting.mesh.positions + 3 * (size_t)v;
-                float up = at[2] > 0.0f ? 0.1f : 0.0f;
-                f32x4 *low = &places[p][model->cloths[0].slots[v]];
-                f32x4 *high = &places[p][model->cloths[1].slots[v]];
-                *low = (f32x4){at[0], -up, 0.01f, (*low)[3]};
-                *high = (f32x4){0.013f, HEIGHTS[i][p] + up, at[0], (*high)[3]};
-            }
-        }
-        (void)push_of(&meeting, &none);
-        int found = 0;
-        for (size_t k = 0; k < solver->stencils.count; k++) {
-            const PercaleStencil *stencil = &solver->stencils.items[k];
-            bool first_is_low = model->cloth_of[stencil->points[0]] == 0;
-            if (stencil->weights[1] > 0.0f &&
-                model->cloth_of[stencil->points[2]] != model->cloth_of[stencil->points[0]] &&
-                fabsf(stencil->normal[1]) > 0.99f) {
-                float up = first_is_low ? -stencil->normal[1] : stencil->normal[1]; // of the higher edge
-                ck_assert_msg(up * HEIGHTS[i][0] > 0.0f, "way %zu: %g", i, (double)up);
-                found++;
-            }
-        }
-        ck_assert_msg(found == 1, "way %zu: %d stencils", i, found);
-        close_meeting(&meeting);
-    }
-}
-END_TEST
-
-/// A level face comes down onto a box: the box's upper corners push it up, that is themselves down.
-START_TEST(corners_of_a_box_hold_a_face_above_them)
-{
-    PercaleSolverDef def = percale_solver_def_default();
-    def.edge_edge = 1;
-    PercaleSolver *solver = percale_test_solver(def);
-    PercaleMesh box = percale_test_box(0.02f, 0.02f, 0.02f);
-    PercaleMesh sheet = percale_test_sheet(2, 0.1f);
-    percale_test_translate(&box, 0.003f, -0.01f, 0.0f);
-    (void)percale_test_add_obstacle(solver, &box);
-    (void)percale_test_add_cloth(solver, &sheet);
-    PERCALE_TEST_OK(solver, percale_solver_prepare(solver));
-    PercaleModel *model = &solver->model;
-    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
-        model->position[slot][1] = 0.003f;
-        model->predicted[slot][1] = -0.001f;
-    }
-    const f32x4 *places[2] = {model->position, model->predicted};
-    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, places, 2, percale_team_alone());
-    const PercaleNoteList none = {0};
-    PercalePairCounts counts = {0};
-    PercalePairStage stage = {.model = model,
-                              .tree = &solver->cloth_tree,
-                              .earlier = model->position,
-                              .ahead = model->predicted,
-                              .known = &none,
-                              .dt = 1e-3f,
-                              .edges = true,
-                              .obstacles = true,
-                              .team = percale_team_alone()};
-    solver->stencils.count = 0;
-    ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
-                                 &solver->notes[1], &counts));
-    ck_assert_uint_eq(counts.vertex_face, 4);
-    for (size_t i = 0; i < counts.vertex_face; i++) {
-        const PercaleStencil *stencil = &solver->stencils.items[i];
-        ck_assert(stencil->points[0] >= model->slot_count && stencil->normal[1] == -1.0f);
-        ck_assert(fabsf(stencil->normal[3] - 0.0035f) < 1e-6f); // 3 mm at the start, and 0.5 m/s
-    }
-    percale_solver_destroy(solver);
-    percale_mesh_free(&box);
-    percale_mesh_free(&sheet);
 }
 END_TEST
 
@@ -678,10 +434,6 @@ int main(void)
     TCase *pairs = tcase_create("pairs");
     tcase_set_timeout(pairs, 0);
     tcase_add_test(pairs, pairs_are_those_of_all_pairs);
-    tcase_add_test(pairs, a_vertex_keeps_the_side_that_its_path_says);
-    tcase_add_test(pairs, a_note_keeps_the_side_while_the_vertex_is_below);
-    tcase_add_test(pairs, edges_keep_the_side_that_their_path_says);
-    tcase_add_test(pairs, corners_of_a_box_hold_a_face_above_them);
     tcase_add_test(pairs, at_the_times_found_the_volume_is_zero_and_between_them_it_keeps_its_sign);
     tcase_add_test(pairs, points_that_only_move_along_have_no_time);
     tcase_add_test(pairs, near_slots_are_those_within_the_radius_along_edges);

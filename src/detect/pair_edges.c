@@ -1,4 +1,3 @@
-#include "detect/coplanar.h"
 #include "detect/pair_parts.h"
 #include "percale/geometry.h"
 
@@ -56,21 +55,9 @@ static Vec3 combine_all(const Vec3 *x, const double weights[4])
     return sum;
 }
 
-static bool have_gone_through(const Vec3 *from, const Vec3 *to, double weights[4])
+static bool weigh_meeting(const Vec3 *x, double weights[4])
 {
-    double times[3];
-    int count = percale_coplanar_times(from, to, times);
-    int passages = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 x[4];
-        double here[4];
-        place_at(from, to, times[i], x);
-        if (weigh_edges(x, SEAMLESS, here)) {
-            memcpy(weights, here, sizeof(here));
-            passages++;
-        }
-    }
-    return passages % 2 == 1;
+    return weigh_edges(x, SEAMLESS, weights);
 }
 
 /// False when they are no pair: an end is closest, or they are too far apart.
@@ -83,7 +70,7 @@ static bool view_edges(const PercalePairStage *stage, const uint32_t points[4], 
     }
     double meeting[4] = {0.0};
     bool inside = weigh_edges(view->to, -INSIDE, view->weights);
-    view->has_passed = have_gone_through(view->from, view->to, meeting);
+    view->has_passed = percale_pair_has_passed(view->from, view->to, weigh_meeting, meeting);
     if (!inside && view->has_passed) {
         memcpy(view->weights, meeting, sizeof(meeting));
     }
@@ -124,7 +111,7 @@ static bool were_pushed_through(const PercalePairStage *stage, const uint32_t po
     for (int k = 0; k < 4; k++) {
         earlier[k] = earlier_of(stage, points[k]);
     }
-    return have_gone_through(earlier, view->from, weights);
+    return percale_pair_has_passed(earlier, view->from, weigh_meeting, weights);
 }
 
 /// Which way the first edge belongs, seen from the second: as the note says; else as they were, which is as

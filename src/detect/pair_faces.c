@@ -1,4 +1,3 @@
-#include "detect/coplanar.h"
 #include "detect/pair_parts.h"
 
 #include <string.h>
@@ -37,7 +36,7 @@ typedef struct FaceView {
     Vec3 unit;              // its normal
     int start_side, end_side;
     bool has_passed;   // through the inside of the face, on the way
-    double passing[3]; // where
+    double passing[4]; // where: weights of the three corners
 } FaceView;
 
 static Vec3 area_of(const Vec3 corners[3])
@@ -47,7 +46,7 @@ static Vec3 area_of(const Vec3 corners[3])
 
 /// Barycentric coordinates of the point x[0] in the triangle of the others. False when it isn't above its
 /// inside.
-static bool weigh(const Vec3 *x, double weights[3])
+static bool weigh(const Vec3 *x, double weights[4])
 {
     Vec3 area = area_of(x + 1);
     double scale = vdot(area, area);
@@ -62,25 +61,6 @@ static bool weigh(const Vec3 *x, double weights[3])
         inside = inside && weights[k] >= -SEAMLESS;
     }
     return inside;
-}
-
-/// Whether the vertex has gone through the inside of the face, straight paths taken, and not come back; where
-/// that was.
-static bool has_gone_through(const Vec3 *from, const Vec3 *to, double weights[3])
-{
-    double times[3];
-    int count = percale_coplanar_times(from, to, times);
-    int passages = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 x[4];
-        double here[3];
-        place_at(from, to, times[i], x);
-        if (weigh(x, here)) {
-            memcpy(weights, here, sizeof(here));
-            passages++;
-        }
-    }
-    return passages % 2 == 1;
 }
 
 static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle, Keep keep)
@@ -100,7 +80,8 @@ static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32
     view.unit = vunit(area[1]);
     view.start_side = vdot(area[0], vsub(from[0], from[1])) >= 0.0 ? 1 : -1;
     view.end_side = vdot(area[1], vsub(to[0], to[1])) >= 0.0 ? 1 : -1;
-    view.has_passed = view.start_side != view.end_side && has_gone_through(from, to, view.passing);
+    view.has_passed =
+        view.start_side != view.end_side && percale_pair_has_passed(from, to, weigh, view.passing);
     return view;
 }
 
@@ -138,13 +119,13 @@ static bool was_pushed_through(const PercalePairStage *stage, const FaceView *vi
 {
     Vec3 earlier[4];
     Vec3 start[4];
-    double weights[3];
+    double weights[4];
     for (int k = 0; k < 4; k++) {
         earlier[k] = earlier_of(stage, view->points[k]);
         start[k] = start_of(stage, view->points[k]);
     }
     int side = vdot(area_of(earlier + 1), vsub(earlier[0], earlier[1])) >= 0.0 ? 1 : -1;
-    return side != view->start_side && has_gone_through(earlier, start, weights);
+    return side != view->start_side && percale_pair_has_passed(earlier, start, weigh, weights);
 }
 
 /// The side that a vertex keeps to: as it is known; else that of the start, unless it was pushed there. The

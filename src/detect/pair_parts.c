@@ -1,5 +1,7 @@
 #include "detect/pair_parts.h"
 
+#include "detect/coplanar.h"
+
 #include <string.h>
 
 bool percale_pair_gather(const PercalePairStage *stage, PercaleCollector *collector, const Box *box)
@@ -12,11 +14,7 @@ bool percale_pair_gather(const PercalePairStage *stage, PercaleCollector *collec
 
 float percale_pair_widest_reach(const PercalePairStage *stage, float thickness)
 {
-    float thickest = 0.0f;
-    for (uint32_t c = 0; c < stage->model->cloth_count; c++) {
-        thickest = fmaxf(thickest, stage->model->cloths[c].thickness);
-    }
-    return 1.001f * (thickness + thickest); // twice the mean
+    return 1.001f * (thickness + thickest_cloth(stage->model)); // twice the mean
 }
 
 double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const uint32_t points[4],
@@ -99,4 +97,23 @@ Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurfa
         sum = vadd(sum, percale_surface_face_normal(&surface, faces[i] / divisor));
     }
     return vunit(sum);
+}
+
+bool percale_pair_has_passed(const Vec3 *from, const Vec3 *to, PercalePairWeigh *weigh, double weights[4])
+{
+    double times[3];
+    int count = percale_coplanar_times(from, to, times);
+    int passages = 0;
+    for (int i = 0; i < count; i++) {
+        Vec3 x[4];
+        double here[4] = {0.0};
+        for (int k = 0; k < 4; k++) {
+            x[k] = vadd(from[k], vscale(times[i], vsub(to[k], from[k])));
+        }
+        if (weigh(x, here)) {
+            memcpy(weights, here, sizeof(here));
+            passages++;
+        }
+    }
+    return passages % 2 == 1;
 }

@@ -69,13 +69,12 @@ static inline Vec3 combine(const PercalePairStage *stage, const uint32_t points[
     return sum;
 }
 
-/// Four points at a time of the substep, 0 .. 1.
-static inline void place_at(const Vec3 *from, const Vec3 *to, double time, Vec3 x[4])
-{
-    for (int k = 0; k < 4; k++) {
-        x[k] = vadd(from[k], vscale(time, vsub(to[k], from[k])));
-    }
-}
+/// Weights of two features where four points lie in a plane. False when they don't meet there.
+typedef bool PercalePairWeigh(const Vec3 *x, double weights[4]);
+
+/// Whether two features have gone through each other, on straight paths, and not come back; the weights where
+/// they last met.
+bool percale_pair_has_passed(const Vec3 *from, const Vec3 *to, PercalePairWeigh *weigh, double weights[4]);
 
 typedef struct Box {
     f32x4 low, high;

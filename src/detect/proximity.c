@@ -178,21 +178,13 @@ static void list_active(PercaleProximity *proximity, uint32_t slot_count)
     proximity->active_count = count;
 }
 
-static float thickest_of(const PercalePair *pair)
-{
-    float thickest = 0.0f;
-    for (uint32_t c = 0; c < pair->model->cloth_count; c++) {
-        thickest = fmaxf(thickest, pair->model->cloths[c].thickness);
-    }
-    return 0.5f * (thickest + pair->obstacle->thickness);
-}
-
 uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
                                   const PercaleSurface *surface, PercaleTeam *team)
 {
     enum { GRAIN_SLOTS = 512 };
     uint32_t slot_count = pair->model->slot_count;
-    Selection selection = {proximity, pair, surface, thickest_of(pair), 0};
+    Selection selection = {proximity, pair, surface,
+                           0.5f * (thickest_cloth(pair->model) + pair->obstacle->thickness), 0};
     percale_team_for(team, slot_count, GRAIN_SLOTS, examine_range, &selection);
     list_active(proximity, slot_count);
     return selection.searches;

@@ -325,12 +325,8 @@ static bool build_cloth(PercaleModel *model, PercaleMemory *memory)
 /// Twice the greatest thickness: farther apart two vertices can always keep theirs.
 static bool build_near(PercaleModel *model, PercaleMemory *memory)
 {
-    float thickest = 0.0f;
-    for (uint32_t c = 0; c < model->cloth_count; c++) {
-        thickest = model->cloths[c].thickness > thickest ? model->cloths[c].thickness : thickest;
-    }
     return percale_near_build(&model->near, model->slot_count, (const uint32_t(*)[2])model->edges,
-                              model->edge_lengths, model->edge_count, 2.0f * thickest, memory);
+                              model->edge_lengths, model->edge_count, 2.0f * thickest_cloth(model), memory);
 }
 
 static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,

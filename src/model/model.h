@@ -91,6 +91,16 @@ typedef struct PercaleModel {
     uint32_t (*pinned_sources)[2]; // [pinned_count] pin object's index, vertex in it
 } PercaleModel;
 
+/// The greatest thickness of a cloth, m.
+static inline float thickest_cloth(const PercaleModel *model)
+{
+    float thickest = 0.0f;
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        thickest = fmaxf(thickest, model->cloths[c].thickness);
+    }
+    return thickest;
+}
+
 /// Byte offset of a slot's point, which is how kernels address it (it saves a shift for each point). So there
 /// are at most POINTS_MAX points.
 enum { POINT_BYTES = sizeof(f32x4), POINTS_MAX = (1 << 28) - 1 };
