@@ -218,6 +218,7 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_objects_free(&solver->objects, &solver->object_memory);
     percale_collectors_free(&solver->collectors, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
+    percale_memory_free(&solver->detect_memory, solver->passing.items);
     percale_memory_free(&solver->detect_memory, solver->notes[0].items);
     percale_memory_free(&solver->detect_memory, solver->notes[1].items);
     percale_batches_free(&solver->edges, &solver->color_memory);
@@ -240,8 +241,7 @@ static void drop_model(PercaleSolver *solver)
     for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
         percale_proximity_free(&solver->proximities[o], detect);
     }
-    percale_tree_free(&solver->cloth_tree, detect);
-    percale_memory_free(detect, solver->noted_position);
+    percale_candidates_free(&solver->candidates, detect);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
     percale_memory_free(detect, solver->crossings);
@@ -252,7 +252,6 @@ static void drop_model(PercaleSolver *solver)
     percale_memory_free(solve, solver->bend_weights);
     percale_memory_free(solve, solver->bend_relaxations);
     percale_memory_free(solve, solver->seam_targets);
-    solver->noted_position = NULL;
     solver->rays = NULL;
     solver->proximities = NULL;
     solver->frames = NULL;
@@ -345,13 +344,9 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
         }
     }
     if (complete && model->cloth.triangle_count > 0) {
-        complete = percale_tree_build(&solver->cloth_tree, model->cloth.triangles,
-                                      model->cloth.triangle_count, model->position, memory);
-        solver->noted_position = percale_memory_new(memory, model->point_count, sizeof(f32x4));
-        complete = complete && solver->noted_position != NULL;
-    }
-    if (complete && solver->noted_position != NULL) {
-        memcpy(solver->noted_position, model->position, model->point_count * sizeof(f32x4));
+        bool edges = solver->def.edge_edge != 0;
+        complete = percale_candidates_create(&solver->candidates, model, solver->def.self_collision != 0,
+                                             edges, edges && solver->def.vertex_face != 0, memory);
     }
     if (!complete) {
         return percale_fail_memory(&solver->error);

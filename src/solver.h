@@ -36,10 +36,10 @@ struct PercaleSolver {
     PercaleFrame *frames;          // [obstacle_count] of the running substep
     PercaleCrossing **crossings;   // [obstacle_count] arrays in the arena; NULL without CCD
     PercaleRays *rays;             // NULL without CCD or obstacles
-    PercaleTree cloth_tree;        // of all cloth, when pairs of features are looked for
+    PercaleCandidates candidates;  // without self_collision and edge_edge there are none
     PercaleNoteList notes[2];      // of the last pass, and those that are being written
-    f32x4 *noted_position;         // [point_count] when the notes were written
     PercaleStencilList stencils;
+    PercaleStencilList passing; // of the running substep
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
                                // them
 

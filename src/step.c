@@ -8,6 +8,7 @@
 #include "base/timer.h"
 #include "finish/advance.h"
 #include "finish/guard.h"
+#include "finish/pair_guard.h"
 #include "predict/obstacle_motion.h"
 #include "predict/predict.h"
 #include "solve/sweep.h"
@@ -229,33 +230,43 @@ static const f32x4 *extrapolate(Substep *substep, float later_substeps)
     return ahead.ahead;
 }
 
-/// Pairs of the cloth's features, and of its edges and faces with the obstacles'.
-static bool detect_pairs(Substep *substep)
+/// Pairs of features that may come within reach before the next pass, as long as they are not known. False
+/// without memory.
+static bool find_candidates(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
-    PercaleModel *model = &solver->model;
+    const PercaleModel *model = &solver->model;
+    PercaleCandidates *candidates = &solver->candidates;
     float later = later_substeps(&solver->def);
     const f32x4 *ahead = extrapolate(substep, later);
     if (ahead == NULL) {
         return false;
     }
-    const f32x4 *places[3] = {solver->noted_position, model->position, ahead};
-    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, places, 3, substep->team);
-    PercalePairStage stage = {.model = model,
-                              .tree = &solver->cloth_tree,
-                              .earlier = solver->noted_position,
-                              .ahead = ahead,
+    if (percale_candidates_hold(candidates, model->position, ahead, candidates->margin, substep->team)) {
+        return true;
+    }
+    const f32x4 *places[3] = {model->position, ahead, model->predicted};
+    const f32x4 *start_and_end[2] = {model->position, model->predicted};
+    bool only_two = later <= 0.0f;
+    return percale_candidates_find(candidates, only_two ? start_and_end : places, only_two ? 2 : 3,
+                                   &solver->collectors, &solver->detect_memory, substep->team,
+                                   &solver->counters.candidates);
+}
+
+/// Pairs of the cloth's features, and of its edges and faces with the obstacles'.
+static bool detect_pairs(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePairStage stage = {.model = &solver->model,
+                              .candidates = &solver->candidates,
                               .known = &solver->notes[0],
-                              .later_substeps = later,
+                              .later_substeps = later_substeps(&solver->def),
                               .dt = substep->dt,
-                              .cloth = solver->def.self_collision != 0,
-                              .edges = solver->def.edge_edge != 0,
-                              .obstacles = solver->def.edge_edge != 0 && solver->def.vertex_face != 0,
                               .team = substep->team};
     PercalePairCounts counts = {0};
-    bool complete = percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
-                                       &solver->notes[1], &counts);
-    memcpy(solver->noted_position, model->position, model->point_count * sizeof(f32x4));
+    bool complete =
+        find_candidates(substep) && percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory,
+                                                       &solver->stencils, &solver->notes[1], &counts);
     PercaleNoteList written = solver->notes[1];
     solver->notes[1] = solver->notes[0];
     solver->notes[0] = written;
@@ -281,7 +292,7 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
                                          &solver->stencils, &solver->counters.candidates);
     }
     solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
-    if (complete && pass && solver->cloth_tree.nodes != NULL) {
+    if (complete && pass && solver->candidates.lists != NULL) {
         complete = detect_pairs(substep);
     }
     if (pass) {
@@ -393,6 +404,31 @@ static PercaleResult solve(Substep *substep, uint32_t sweep_count)
 
 // ---- finish ----
 
+/// Cloth that has gone through cloth, or an edge of it through an obstacle's. False without memory.
+static bool guard_pairs(Substep *substep, uint64_t *corrected)
+{
+    PercaleSolver *solver = substep->solver;
+    if (solver->candidates.lists == NULL) {
+        return true;
+    }
+    PercalePairGuardStage stage = {.model = &solver->model,
+                                   .candidates = &solver->candidates,
+                                   .proximities = solver->proximities,
+                                   .obstacles = solver->def.vertex_face != 0,
+                                   .dt = substep->dt,
+                                   .collectors = &solver->collectors,
+                                   .passing = &solver->passing,
+                                   .memory = &solver->detect_memory,
+                                   .team = substep->team};
+    PercalePairGuardCounts counts;
+    bool complete = percale_pair_guard_run(&stage, &counts);
+    solver->counters.candidates += counts.candidates;
+    solver->counters.truncated += counts.pushed;
+    solver->counters.left_crossed += counts.left;
+    *corrected += counts.pushed;
+    return complete;
+}
+
 static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
@@ -421,6 +457,9 @@ static PercaleResult finish(Substep *substep)
         solver->counters.truncated += counts.truncated;
         corrected += counts.truncated;
         solver->counters.detections += counts.searches;
+    }
+    if (!guard_pairs(substep, &corrected)) {
+        return percale_fail_memory(&solver->error);
     }
     bad = corrected > 0 ? percale_advance_find_bad(model, substep->team) : UINT32_MAX;
     if (bad != UINT32_MAX) {

@@ -226,7 +226,7 @@ same_keys report.json percale scene preset threads isa frames vertices triangles
     $settings ms_per_frame_median ms_per_frame_p90 ms_per_frame_last60 stage_ms predict detect untangle color \
     solve finish work projections projections_stretch projections_bend projections_tether projections_seam \
     projections_contact candidates stencils_vf stencils_ee rays detections detections_skipped missed \
-    born_crossed left_inside truncated colors_max overflow last_crossed_frame quality $quality quality_last \
+    born_crossed left_inside left_crossed truncated colors_max overflow last_crossed_frame quality $quality quality_last \
     $quality bytes model detect color solve arena peak_bytes state_hash
 for pair in 'threads 1' 'frames 4' 'vertices 4' 'triangles 2' 'obstacle_triangles 2' 'substeps 2'; do
     grep -qE "^ *\"${pair% *}\": ${pair#* }," report.json || complain "report.json: $pair expected"

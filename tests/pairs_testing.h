@@ -9,23 +9,20 @@
 
 /// Finds the stencils and notes of the solver's model, as of substeps of 1 ms; `obstacles` with those or
 /// without.
-static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, const f32x4 *earlier,
-                                                        const PercaleNoteList *known, bool obstacles)
+static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, const PercaleNoteList *known,
+                                                        bool obstacles)
 {
     PercaleModel *model = &solver->model;
+    PercaleCandidates *candidates = &solver->candidates;
     PercalePairCounts counts = {0};
-    const f32x4 *places[3] = {earlier, model->position, model->predicted};
-    percale_tree_refit_swept(&solver->cloth_tree, model->cloth.triangles, places, 3, percale_team_alone());
-    PercalePairStage stage = {.model = model,
-                              .tree = &solver->cloth_tree,
-                              .earlier = earlier,
-                              .ahead = model->predicted,
-                              .known = known,
-                              .dt = 1e-3f,
-                              .cloth = !obstacles,
-                              .edges = true,
-                              .obstacles = obstacles,
-                              .team = percale_team_alone()};
+    const f32x4 *places[2] = {model->position, model->predicted};
+    PercaleTeam *alone = percale_team_alone();
+    candidates->cloth = !obstacles;
+    candidates->obstacles = obstacles;
+    ck_assert(percale_candidates_find(candidates, places, 2, &solver->collectors, &solver->detect_memory,
+                                      alone, &counts.candidates));
+    PercalePairStage stage = {
+        .model = model, .candidates = candidates, .known = known, .dt = 1e-3f, .team = alone};
     solver->stencils.count = 0;
     ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                  &solver->notes[1], &counts));

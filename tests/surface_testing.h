@@ -76,8 +76,8 @@ static inline void open_scene(Scene *scene, PercaleMesh mesh)
     }
     place_points(scene);
     const PercaleModelSurface *obstacle = &scene->model.obstacles[1];
-    ck_assert(percale_tree_build(&scene->tree, obstacle->triangles, obstacle->triangle_count, scene->points,
-                                 &scene->memory));
+    ck_assert(percale_tree_build(&scene->tree, obstacle->triangles, 3, obstacle->triangle_count,
+                                 scene->points, &scene->memory));
     scene->surface = (PercaleSurface){obstacle, &scene->tree, scene->points};
     refit(scene, 1);
 }

@@ -6,12 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Two sheets of one cell, 0.1 m wide: `face` lies level, a corner of `other` is what it meets. Times: when
-/// the notes were written, at the start of the substep, at its end.
+/// Two sheets of one cell, 0.1 m wide: `face` lies level, a corner of `other` is what it meets. Times: the
+/// start of the substep and its end.
 typedef struct Meeting {
     PercaleSolver *solver;
     PercaleMesh mesh;
-    f32x4 *earlier;
     uint32_t corner; // of `other`: its slot
 } Meeting;
 
@@ -38,14 +37,11 @@ static void open_meeting(Meeting *meeting)
     PERCALE_TEST_OK(meeting->solver, percale_solver_prepare(meeting->solver));
     PercaleModel *model = &meeting->solver->model;
     meeting->corner = model->cloths[1].slots[0];
-    meeting->earlier = malloc(model->point_count * sizeof(f32x4));
-    memcpy(meeting->earlier, model->position, model->point_count * sizeof(f32x4));
 }
 
 static void close_meeting(Meeting *meeting)
 {
     place_other(meeting, meeting->solver->model.position, 0.0f, 0.0f, 0.0f);
-    free(meeting->earlier);
     percale_solver_destroy(meeting->solver);
     percale_mesh_free(&meeting->mesh);
 }
@@ -54,7 +50,7 @@ static void close_meeting(Meeting *meeting)
 static float push_of(Meeting *meeting, const PercaleNoteList *known)
 {
     PercaleSolver *solver = meeting->solver;
-    (void)percale_test_find_pairs(solver, meeting->earlier, known, false);
+    (void)percale_test_find_pairs(solver, known, false);
     for (size_t i = 0; i < solver->stencils.count; i++) {
         const PercaleStencil *stencil = &solver->stencils.items[i];
         if (stencil->points[0] == meeting->corner && stencil->weights[1] < 0.0f &&
@@ -65,27 +61,25 @@ static float push_of(Meeting *meeting, const PercaleNoteList *known)
     return 0.0f;
 }
 
-/// The ways of the corner: where it was earlier, at the start and at the end; which way it is pushed.
+/// The ways of the corner: where it was at the start and at the end; which way it is pushed.
 static const struct {
-    float x[3][2]; // level place (of x; z is 0.01) and height
+    float x[2][2]; // level place (of x; z is 0.01) and height
     float push;
 } WAYS[] = {
-    {{{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, 0.001f}}, 1.0f},     // comes near from above
-    {{{-0.02f, -0.003f}, {-0.02f, -0.003f}, {-0.02f, -0.001f}}, -1.0f}, // from below
-    {{{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, -0.002f}}, 1.0f},    // would go through
-    {{{-0.02f, -0.003f}, {-0.02f, -0.003f}, {-0.02f, 0.002f}}, -1.0f},  // too, upwards
-    {{{-0.02f, 0.050f}, {-0.02f, 0.050f}, {-0.02f, -0.050f}}, 1.0f},    // far
-    {{{-0.08f, 0.003f}, {-0.08f, 0.003f}, {-0.02f, -0.001f}}, 1.0f},    // through, beside the rim at first
-    {{{-0.08f, 0.001f}, {-0.08f, 0.001f}, {-0.02f, -0.003f}}, -1.0f},   // around the rim
-    {{{-0.02f, 0.003f}, {-0.02f, -0.002f}, {-0.02f, -0.003f}}, 1.0f},   // was pushed through in the solver
-    {{{-0.02f, -0.003f}, {-0.02f, 0.002f}, {-0.02f, 0.003f}}, -1.0f},   // too, upwards
+    {{{-0.02f, 0.003f}, {-0.02f, 0.001f}}, 1.0f},    // comes near from above
+    {{{-0.02f, -0.003f}, {-0.02f, -0.001f}}, -1.0f}, // from below
+    {{{-0.02f, 0.003f}, {-0.02f, -0.002f}}, 1.0f},   // would go through
+    {{{-0.02f, -0.003f}, {-0.02f, 0.002f}}, -1.0f},  // too, upwards
+    {{{-0.02f, 0.050f}, {-0.02f, -0.050f}}, 1.0f},   // far
+    {{{-0.08f, 0.003f}, {-0.02f, -0.001f}}, 1.0f},   // through, beside the rim at first
+    {{{-0.08f, 0.001f}, {-0.02f, -0.003f}}, -1.0f},  // around the rim
 };
 
-static void go(Meeting *meeting, const float x[3][2])
+static void go(Meeting *meeting, const float x[2][2])
 {
     PercaleModel *model = &meeting->solver->model;
-    f32x4 *places[3] = {meeting->earlier, model->position, model->predicted};
-    for (int i = 0; i < 3; i++) {
+    f32x4 *places[2] = {model->position, model->predicted};
+    for (int i = 0; i < 2; i++) {
         place_other(meeting, places[i], x[i][0], x[i][1], 0.01f);
     }
 }
@@ -111,9 +105,9 @@ START_TEST(a_note_keeps_the_side_while_the_vertex_is_below)
     open_meeting(&meeting);
     PercaleSolver *solver = meeting.solver;
     const PercaleNoteList none = {0};
-    const float through[3][2] = {{-0.02f, 0.003f}, {-0.02f, 0.003f}, {-0.02f, -0.002f}};
-    const float below[3][2] = {{-0.02f, -0.002f}, {-0.02f, -0.002f}, {-0.015f, -0.002f}};
-    const float beside[3][2] = {{-0.015f, -0.002f}, {-0.015f, -0.002f}, {0.03f, -0.002f}};
+    const float through[2][2] = {{-0.02f, 0.003f}, {-0.02f, -0.002f}};
+    const float below[2][2] = {{-0.02f, -0.002f}, {-0.015f, -0.002f}};
+    const float beside[2][2] = {{-0.015f, -0.002f}, {0.03f, -0.002f}};
     const float(*const ways[3])[2] = {through, below, beside};
     for (int i = 0; i < 3; i++) {
         go(&meeting, ways[i]);
@@ -132,19 +126,15 @@ END_TEST
 /// start.
 START_TEST(edges_keep_the_side_that_their_path_says)
 {
-    const float HEIGHTS[][3] = {{0.003f, 0.003f, 0.001f},
-                                {0.003f, 0.003f, -0.002f},
-                                {-0.003f, -0.003f, 0.002f},
-                                {0.003f, -0.002f, -0.003f},
-                                {0.05f, 0.05f, -0.05f}};
+    const float HEIGHTS[][2] = {{0.003f, 0.001f}, {0.003f, -0.002f}, {-0.003f, 0.002f}, {0.05f, -0.05f}};
     const PercaleNoteList none = {0};
     for (size_t i = 0; i < sizeof(HEIGHTS) / sizeof(HEIGHTS[0]); i++) {
         Meeting meeting;
         open_meeting(&meeting);
         PercaleSolver *solver = meeting.solver;
         PercaleModel *model = &solver->model;
-        f32x4 *places[3] = {meeting.earlier, model->position, model->predicted};
-        for (int p = 0; p < 3; p++) {
+        f32x4 *places[2] = {model->position, model->predicted};
+        for (int p = 0; p < 2; p++) {
             for (uint32_t v = 0; v < 4; v++) { // upright sheets: row 0 at the height, row 1 away from it
                 const float *at = meeting.mesh.positions + 3 * (size_t)v;
                 float up = at[2] > 0.0f ? 0.1f : 0.0f;
@@ -191,7 +181,7 @@ START_TEST(corners_of_a_box_hold_a_face_above_them)
         model->predicted[slot][1] = -0.001f;
     }
     const PercaleNoteList none = {0};
-    PercalePairCounts counts = percale_test_find_pairs(solver, model->position, &none, true);
+    PercalePairCounts counts = percale_test_find_pairs(solver, &none, true);
     ck_assert_uint_eq(counts.vertex_face, 4);
     for (size_t i = 0; i < counts.vertex_face; i++) {
         const PercaleStencil *stencil = &solver->stencils.items[i];

@@ -209,6 +209,7 @@ typedef struct PercaleProfile {
     X(missed)               \
     X(born_crossed)         \
     X(left_inside)          \
+    X(left_crossed)         \
     X(truncated)            \
     X(colors_max)           \
     X(overflow)             \

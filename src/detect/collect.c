@@ -29,6 +29,17 @@ void percale_collect_note(PercaleCollector *collector, PercalePairNote note)
     }
 }
 
+void percale_collect_pair(PercaleCollector *collector, PercaleItemPair pair)
+{
+    PercaleItemPairList *list = &collector->pairs;
+    if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
+                               sizeof(pair))) {
+        list->items[list->count++] = pair;
+    } else {
+        collector->complete = false;
+    }
+}
+
 /// What the chunks share. Items are divided by the number of shares, not by the team, which the host may make
 /// smaller.
 typedef struct Collection {
@@ -64,9 +75,22 @@ static bool append_all(PercaleMemory *memory, void *items, size_t *count, size_t
     return true;
 }
 
+/// Appends what a share has found.
+static bool append_share(PercaleMemory *memory, const PercaleCollector *share, const PercaleCollected *to)
+{
+    return (to->stencils == NULL ||
+            append_all(memory, &to->stencils->items, &to->stencils->count, &to->stencils->capacity,
+                       share->stencils.items, share->stencils.count, sizeof(PercaleStencil))) &&
+           (to->notes == NULL ||
+            append_all(memory, &to->notes->items, &to->notes->count, &to->notes->capacity, share->notes.items,
+                       share->notes.count, sizeof(PercalePairNote))) &&
+           (to->pairs == NULL ||
+            append_all(memory, &to->pairs->items, &to->pairs->count, &to->pairs->capacity, share->pairs.items,
+                       share->pairs.count, sizeof(PercaleItemPair)));
+}
+
 bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, const void *context,
-                     PercaleCollectors *collectors, PercaleMemory *memory, PercaleStencilList *stencils,
-                     PercaleNoteList *notes)
+                     PercaleCollectors *collectors, PercaleMemory *memory, const PercaleCollected *to)
 {
     collectors->candidates = 0;
     int thread_count = threads_for(item_count * ITEM_WORK, percale_team_size(team));
@@ -76,6 +100,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
         PercaleCollector *share = &collectors->shares[s];
         share->stencils.count = 0;
         share->notes.count = 0;
+        share->pairs.count = 0;
         share->memory = (PercaleMemory){memory->allocator, 0};
         share->candidates = 0;
         share->complete = true;
@@ -87,12 +112,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
         const PercaleCollector *share = &collectors->shares[s];
         memory->bytes += share->memory.bytes;
         collectors->candidates += share->candidates;
-        complete =
-            complete && share->complete &&
-            append_all(memory, &stencils->items, &stencils->count, &stencils->capacity, share->stencils.items,
-                       share->stencils.count, sizeof(PercaleStencil)) &&
-            (notes == NULL || append_all(memory, &notes->items, &notes->count, &notes->capacity,
-                                         share->notes.items, share->notes.count, sizeof(PercalePairNote)));
+        complete = complete && share->complete && append_share(memory, share, to);
     }
     return complete;
 }
@@ -102,9 +122,12 @@ void percale_collectors_free(PercaleCollectors *collectors, PercaleMemory *memor
     for (int s = 0; s < PERCALE_MAX_THREADS; s++) {
         PercaleCollector *share = &collectors->shares[s];
         percale_memory_free(memory, share->features.items);
-        percale_memory_free(memory, share->triangles.items);
+        percale_memory_free(memory, share->nodes.items);
+        percale_memory_free(memory, share->neighbors.items);
         percale_memory_free(memory, share->stencils.items);
+        percale_memory_free(memory, share->touched.items);
         percale_memory_free(memory, share->notes.items);
+        percale_memory_free(memory, share->pairs.items);
         *share = (PercaleCollector){0};
     }
 }

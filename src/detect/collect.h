@@ -9,6 +9,7 @@
 #define PERCALE_COLLECT_H
 
 #include "base/parallel.h"
+#include "detect/neighbors.h"
 #include "detect/stencil.h"
 #include "detect/surface.h"
 
@@ -31,9 +32,12 @@ typedef struct PercaleNoteList {
 /// One share's lists, kept between calls; on cache lines of their own, for the counts change with every item.
 typedef struct PercaleCollector {
     _Alignas(64) PercaleFeatureList features; // scratch of one item
-    PercaleTriangleList triangles;            // too
+    PercaleNodeList nodes;                    // too
+    PercaleNeighborList neighbors;            // too
+    PercaleItemPairList touched;              // too
     PercaleStencilList stencils;
     PercaleNoteList notes;
+    PercaleItemPairList pairs;
     PercaleMemory memory;
     uint64_t candidates; // pairs looked at
     bool complete;       // there was memory
@@ -47,14 +51,21 @@ typedef struct PercaleCollectors {
 /// Finds the stencils of the items [first, end).
 typedef void PercaleFind(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end);
 
-/// Appends to `stencils` and to `notes` (NULL: there are none). False without memory.
+/// Where it goes; NULL: nothing of the kind is found.
+typedef struct PercaleCollected {
+    PercaleStencilList *stencils;
+    PercaleNoteList *notes;
+    PercaleItemPairList *pairs;
+} PercaleCollected;
+
+/// Appends to the lists. False without memory.
 bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, const void *context,
-                     PercaleCollectors *collectors, PercaleMemory *memory, PercaleStencilList *stencils,
-                     PercaleNoteList *notes);
+                     PercaleCollectors *collectors, PercaleMemory *memory, const PercaleCollected *to);
 void percale_collectors_free(PercaleCollectors *collectors, PercaleMemory *memory);
 
 /// Adds one to the share's stencils; without memory the share is no longer complete.
 void percale_collect_stencil(PercaleCollector *collector, const PercaleStencil *stencil);
 void percale_collect_note(PercaleCollector *collector, PercalePairNote note);
+void percale_collect_pair(PercaleCollector *collector, PercaleItemPair pair);
 
 #endif

@@ -191,7 +191,7 @@ bool percale_contacts_find(const PercaleContactStage *stage, PercaleCollectors *
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
     bool complete = percale_collect(stage->team, stage->proximity->active_count, find_range, stage,
-                                    collectors, memory, list, NULL);
+                                    collectors, memory, &(PercaleCollected){.stencils = list});
     *candidate_count += collectors->candidates;
     return complete;
 }

@@ -35,8 +35,8 @@ typedef struct FaceView {
     double side_scale;      // twice the triangle's area at the end, 0 without
     Vec3 unit;              // its normal
     int start_side, end_side;
-    bool has_passed;   // through the inside of the face, on the way
-    double passing[4]; // where: weights of the three corners
+    bool has_passed; // through the inside of the face, on the way
+    PercalePassage passage;
 } FaceView;
 
 static Vec3 area_of(const Vec3 corners[3])
@@ -44,26 +44,9 @@ static Vec3 area_of(const Vec3 corners[3])
     return vcross(vsub(corners[1], corners[0]), vsub(corners[2], corners[0]));
 }
 
-/// Barycentric coordinates of the point x[0] in the triangle of the others. False when it isn't above its
-/// inside.
-static bool weigh(const Vec3 *x, double weights[4])
-{
-    Vec3 area = area_of(x + 1);
-    double scale = vdot(area, area);
-    if (!(scale > 0.0)) {
-        return false;
-    }
-    bool inside = true;
-    for (int k = 0; k < 3; k++) {
-        Vec3 a = x[1 + (k + 1) % 3];
-        Vec3 b = x[1 + (k + 2) % 3];
-        weights[k] = vdot(area, vcross(vsub(b, a), vsub(x[0], a))) / scale;
-        inside = inside && weights[k] >= -SEAMLESS;
-    }
-    return inside;
-}
-
-static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle, Keep keep)
+/// `may_pass`: else it is known that it hasn't gone through the face.
+static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle, Keep keep,
+                          bool may_pass)
 {
     const uint32_t *corners = stage->model->cloth.triangles + 3 * (size_t)triangle;
     FaceView view = {.points = {vertex, corners[0], corners[1], corners[2]}, .keep = keep};
@@ -81,7 +64,7 @@ static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32
     view.start_side = vdot(area[0], vsub(from[0], from[1])) >= 0.0 ? 1 : -1;
     view.end_side = vdot(area[1], vsub(to[0], to[1])) >= 0.0 ? 1 : -1;
     view.has_passed =
-        view.start_side != view.end_side && percale_pair_has_passed(from, to, weigh, view.passing);
+        may_pass && view.start_side != view.end_side && percale_vertex_passes(from, to, &view.passage);
     return view;
 }
 
@@ -100,11 +83,11 @@ static void note_side(PercaleCollector *collector, uint32_t vertex, uint32_t tri
 }
 
 static void add_face(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
-                     uint32_t triangle, int side, const double weights[3])
+                     uint32_t triangle, int side, const double weights[4])
 {
     double start = start_distance(stage, view->points);
     Push push = {false,
-                 {1.0, -weights[0], -weights[1], -weights[2]},
+                 {weights[0], weights[1], weights[2], weights[3]},
                  vscale((double)side, view->unit),
                  side == view->start_side ? start : -start,
                  allowed(view->keep.thickness,
@@ -114,32 +97,15 @@ static void add_face(const PercalePairStage *stage, PercaleCollector *collector,
     note_side(collector, view->points[0], triangle, side);
 }
 
-/// Whether the solver has pushed the vertex through the face since the last pass.
-static bool was_pushed_through(const PercalePairStage *stage, const FaceView *view)
-{
-    Vec3 earlier[4];
-    Vec3 start[4];
-    double weights[4];
-    for (int k = 0; k < 4; k++) {
-        earlier[k] = earlier_of(stage, view->points[k]);
-        start[k] = start_of(stage, view->points[k]);
-    }
-    int side = vdot(area_of(earlier + 1), vsub(earlier[0], earlier[1])) >= 0.0 ? 1 : -1;
-    return side != view->start_side && percale_pair_has_passed(earlier, start, weigh, weights);
-}
-
-/// The side that a vertex keeps to: as it is known; else that of the start, unless it was pushed there. The
-/// path changes it only where it leads around the face.
+/// The side that a vertex keeps to: as it is known; else that of the start. The path changes it only where it
+/// leads around the face.
 static int side_of(const PercalePairStage *stage, const FaceView *view, uint32_t triangle)
 {
     if (view->start_side != view->end_side && !view->has_passed) {
         return view->end_side;
     }
     int known = known_side(stage, view->points[0], triangle);
-    if (known != 0) {
-        return known;
-    }
-    return was_pushed_through(stage, view) ? -view->start_side : view->start_side;
+    return known != 0 ? known : view->start_side;
 }
 
 /// Whether a vertex is in the region of a corner of the cloth, as each triangle around that says.
@@ -185,11 +151,6 @@ static void add_rim(const PercalePairStage *stage, PercaleCollector *collector, 
     }
 }
 
-static bool has_corner(const uint32_t *corners, uint32_t vertex)
-{
-    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
-}
-
 /// Sewn to a line: no face.
 static bool is_line(const uint32_t *corners)
 {
@@ -210,7 +171,7 @@ static void add_feature(PercaleCollector *collector, PercaleFeature feature)
 /// Features in whose region the vertex is: faces, and edges and vertices of which all triangles say so.
 static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
 {
-    PercaleSurface cloth = {&stage->model->cloth, stage->tree, stage->model->predicted};
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->model->predicted};
     PercaleFeatureList *list = &collector->features;
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {
@@ -228,9 +189,11 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
         }
         Keep keep;
         (void)keep_of(stage->model, vertex, cloth.mesh->triangles[3 * (size_t)feature.triangle], &keep);
-        FaceView view = view_face(stage, vertex, feature.triangle, keep);
+        FaceView view = view_face(stage, vertex, feature.triangle, keep, false);
         if (region == REGION_FACE) {
-            add_face(stage, collector, &view, feature.triangle, view.end_side, feature.closest.weights);
+            const double *b = feature.closest.weights;
+            const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
+            add_face(stage, collector, &view, feature.triangle, view.end_side, weights);
         } else {
             add_rim(stage, collector, &view);
         }
@@ -242,22 +205,16 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
 void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
 {
     const PercaleModel *model = stage->model;
-    float radius = percale_pair_widest_reach(stage, model->cloths[model->cloth_of[vertex]].thickness);
     collector->features.count = 0;
-    Box box = widen(box_of(stage, vertex, vertex), radius);
-    if (!percale_pair_gather(stage, collector, &box)) {
-        return;
-    }
     bool held = false;
-    for (size_t i = 0; i < collector->triangles.count; i++) {
-        uint32_t triangle = collector->triangles.items[i];
+    for (size_t i = 0; i < collector->neighbors.count; i++) {
+        uint32_t triangle = collector->neighbors.items[i].index;
         const uint32_t *corners = model->cloth.triangles + 3 * (size_t)triangle;
         Keep keep;
-        if (has_corner(corners, vertex) || is_line(corners) || !keep_of(model, vertex, corners[0], &keep)) {
+        if (is_line(corners) || !keep_of(model, vertex, corners[0], &keep)) {
             continue;
         }
-        collector->candidates++;
-        FaceView view = view_face(stage, vertex, triangle, keep);
+        FaceView view = view_face(stage, vertex, triangle, keep, collector->neighbors.items[i].may_pass);
         const double *b = view.closest.weights;
         const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
@@ -265,7 +222,7 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
         if (view.side_scale > 0.0 && (view.has_passed || (above && near))) {
             int side = side_of(stage, &view, triangle);
             if (side != view.end_side) {
-                add_face(stage, collector, &view, triangle, side, above ? b : view.passing);
+                add_face(stage, collector, &view, triangle, side, above ? weights : view.passage.weights);
                 held = true;
                 continue;
             }
@@ -281,38 +238,23 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
 
 // ---- obstacles ----
 
-static const PercaleModelSurface *obstacle_of(const PercaleModel *model, uint32_t point)
-{
-    uint32_t o = 0;
-    while (point - model->obstacles[o].first_point >= model->obstacles[o].vertex_count) {
-        o++;
-    }
-    return &model->obstacles[o];
-}
-
 /// An obstacle's vertex below the inside of a face of the cloth; its edges and vertices are those of the
 /// cloth's vertices and edges.
 void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCollector *collector,
-                                       uint32_t point)
+                                       const PercaleModelSurface *obstacle, uint32_t point)
 {
     const PercaleModel *model = stage->model;
-    const PercaleModelSurface *obstacle = obstacle_of(model, point);
-    Box box = widen(box_of(stage, point, point), percale_pair_widest_reach(stage, obstacle->thickness));
-    if (!percale_pair_gather(stage, collector, &box) || collector->triangles.count == 0) {
-        return;
-    }
     const uint32_t *first = obstacle->vertex_first_face + (point - obstacle->first_point);
     Vec3 outward =
         percale_pair_outward(stage, obstacle, obstacle->vertex_faces + first[0], first[1] - first[0], 1);
-    for (size_t i = 0; i < collector->triangles.count; i++) {
-        uint32_t triangle = collector->triangles.items[i];
+    for (size_t i = 0; i < collector->neighbors.count; i++) {
+        uint32_t triangle = collector->neighbors.items[i].index;
         const uint32_t *corners = model->cloth.triangles + 3 * (size_t)triangle;
         Keep keep;
         if (is_line(corners) || !keep_of_obstacle(model, corners[0], obstacle, &keep)) {
             continue;
         }
-        collector->candidates++;
-        FaceView view = view_face(stage, point, triangle, keep);
+        FaceView view = view_face(stage, point, triangle, keep, collector->neighbors.items[i].may_pass);
         double across = vdot(view.unit, outward);
         int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
         const double *b = view.closest.weights;
@@ -324,9 +266,9 @@ void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCol
             continue;
         }
         double start = start_distance(stage, view.points);
-        const double *at = near ? b : view.passing;
+        const double *at = near ? weights : view.passage.weights;
         Push push = {false,
-                     {1.0, -at[0], -at[1], -at[2]},
+                     {at[0], at[1], at[2], at[3]},
                      vscale((double)side, view.unit),
                      side == view.start_side ? start : -start,
                      keep.thickness,

@@ -1,21 +1,6 @@
 #include "detect/pair_parts.h"
 
-#include "detect/coplanar.h"
-
 #include <string.h>
-
-bool percale_pair_gather(const PercalePairStage *stage, PercaleCollector *collector, const Box *box)
-{
-    bool complete =
-        percale_tree_overlap(stage->tree, box->low, box->high, &collector->memory, &collector->triangles);
-    collector->complete = collector->complete && complete;
-    return complete;
-}
-
-float percale_pair_widest_reach(const PercalePairStage *stage, float thickness)
-{
-    return 1.001f * (thickness + thickest_cloth(stage->model)); // twice the mean
-}
 
 double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const uint32_t points[4],
                           const double weights[4])
@@ -36,27 +21,7 @@ void percale_pair_add(const PercalePairStage *stage, PercaleCollector *collector
                                   f32x4_of(push->normal, risen < push->thickness ? risen : push->thickness),
                               .friction = push->friction};
     memcpy(stencil.points, points, sizeof(stencil.points));
-    // multiples of 2^-24: those of each sign sum to exactly 1
-    if (push->edges) {
-        const double first[3] = {push->weights[0], push->weights[1], 0.0};
-        const double second[3] = {-push->weights[2], -push->weights[3], 0.0};
-        float a[3];
-        float b[3];
-        quantize_weights(first, a);
-        quantize_weights(second, b);
-        stencil.weights[0] = 1.0f - a[1];
-        stencil.weights[1] = a[1];
-        stencil.weights[2] = -(1.0f - b[1]);
-        stencil.weights[3] = -b[1];
-    } else {
-        const double face[3] = {-push->weights[1], -push->weights[2], -push->weights[3]};
-        float b[3];
-        quantize_weights(face, b);
-        stencil.weights[0] = 1.0f;
-        for (int k = 0; k < 3; k++) {
-            stencil.weights[1 + k] = -b[k];
-        }
-    }
+    percale_stencil_weigh(&stencil, push->weights, push->edges);
     percale_collect_stencil(collector, &stencil);
 }
 
@@ -97,23 +62,4 @@ Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurfa
         sum = vadd(sum, percale_surface_face_normal(&surface, faces[i] / divisor));
     }
     return vunit(sum);
-}
-
-bool percale_pair_has_passed(const Vec3 *from, const Vec3 *to, PercalePairWeigh *weigh, double weights[4])
-{
-    double times[3];
-    int count = percale_coplanar_times(from, to, times);
-    int passages = 0;
-    for (int i = 0; i < count; i++) {
-        Vec3 x[4];
-        double here[4] = {0.0};
-        for (int k = 0; k < 4; k++) {
-            x[k] = vadd(from[k], vscale(times[i], vsub(to[k], from[k])));
-        }
-        if (weigh(x, here)) {
-            memcpy(weights, here, sizeof(here));
-            passages++;
-        }
-    }
-    return passages % 2 == 1;
 }

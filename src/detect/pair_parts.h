@@ -6,12 +6,10 @@
 
 #include "detect/contacts.h"
 #include "detect/pairs.h"
+#include "detect/passage.h"
 
 // Below this share of the thickness the vector between two closest points has no direction left.
 static const double NO_DIRECTION = 1e-3;
-
-// A path this share of a triangle's size beside it still goes through it: neighbours leave no gap.
-static const double SEAMLESS = 1e-6;
 
 // An obstacle's vertex or edge whose normal is nearly in the plane of the pair doesn't say which way is out.
 static const double CLEAR_SIDE = 0.1;
@@ -47,11 +45,6 @@ static inline Vec3 start_of(const PercalePairStage *stage, uint32_t point)
     return vec3_of(stage->model->position[point]);
 }
 
-static inline Vec3 earlier_of(const PercalePairStage *stage, uint32_t point)
-{
-    return vec3_of(stage->earlier[point]);
-}
-
 static inline Vec3 end_of(const PercalePairStage *stage, uint32_t point)
 {
     return vec3_of(stage->model->predicted[point]);
@@ -69,53 +62,7 @@ static inline Vec3 combine(const PercalePairStage *stage, const uint32_t points[
     return sum;
 }
 
-/// Weights of two features where four points lie in a plane. False when they don't meet there.
-typedef bool PercalePairWeigh(const Vec3 *x, double weights[4]);
-
-/// Whether two features have gone through each other, on straight paths, and not come back; the weights where
-/// they last met.
-bool percale_pair_has_passed(const Vec3 *from, const Vec3 *to, PercalePairWeigh *weigh, double weights[4]);
-
-typedef struct Box {
-    f32x4 low, high;
-} Box;
-
-/// Around the way of two points from the last pass to the next.
-static inline Box box_of(const PercalePairStage *stage, uint32_t a, uint32_t b)
-{
-    const f32x4 *places[3] = {stage->earlier, stage->model->position, stage->ahead};
-    Box box = {min4(places[0][a], places[0][b]), max4(places[0][a], places[0][b])};
-    for (int i = 1; i < 3; i++) {
-        box.low = min4(box.low, min4(places[i][a], places[i][b]));
-        box.high = max4(box.high, max4(places[i][a], places[i][b]));
-    }
-    return box;
-}
-
-/// Wider by the radius, and by what float32 may have rounded away.
-static inline Box widen(Box box, float radius)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        float slack = radius + 1e-6f * (fabsf(box.low[axis]) + fabsf(box.high[axis]));
-        box.low[axis] -= slack;
-        box.high[axis] += slack;
-    }
-    return box;
-}
-
-static inline bool overlap(const Box *a, const Box *b)
-{
-    f32x4 apart = max4(a->low - b->high, b->low - a->high);
-    return apart[0] <= 0.0f && apart[1] <= 0.0f && apart[2] <= 0.0f;
-}
-
 // ---- what is looked for ----
-
-/// Triangles whose way touches the box.
-bool percale_pair_gather(const PercalePairStage *stage, PercaleCollector *collector, const Box *box);
-
-/// Widest distance at which a feature of this thickness gets a stencil with the cloth, m.
-float percale_pair_widest_reach(const PercalePairStage *stage, float thickness);
 
 /// Distance at which a pair gets a stencil, m: its thickness, as much again for what the solver moves it, and
 /// what it moves until the next pass.
@@ -174,13 +121,13 @@ static inline float allowed(float thickness, float rest)
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
                           const uint32_t *faces, uint32_t count, uint32_t divisor);
 
-// ---- items ----
+// ---- items, with what they may touch in the collector's list of neighbours ----
 
 /// A vertex of the cloth against its faces, edges and vertices.
 void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex);
 /// A vertex of an obstacle against the cloth's faces.
 void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCollector *collector,
-                                       uint32_t point);
+                                       const PercaleModelSurface *obstacle, uint32_t point);
 /// An edge of the cloth against those after it.
 void percale_pair_find_edge(const PercalePairStage *stage, PercaleCollector *collector, uint32_t edge);
 /// An edge of an obstacle against those of the cloth.

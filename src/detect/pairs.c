@@ -5,39 +5,44 @@
 
 #include <string.h>
 
-/// Items: points from `first` on; both kinds in the order of the arrays.
-typedef struct Points {
+/// The candidates of one kind of item, and what they are asked.
+typedef struct Kind {
     const PercalePairStage *stage;
-    uint32_t first;
-} Points;
+    const PercaleCandidateList *list;
+    PercaleNeighborhood hood;
+} Kind;
 
-static void find_points(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+static void find_item(const Kind *kind, PercaleCollector *collector, uint32_t item)
 {
-    const Points *points = context;
-    for (uint64_t i = first; collector->complete && i < end; i++) {
-        uint32_t point = points->first + (uint32_t)i;
-        if (point < points->stage->model->slot_count) {
-            percale_pair_find_vertex(points->stage, collector, point);
-        } else {
-            percale_pair_find_obstacle_vertex(points->stage, collector, point);
-        }
+    const PercalePairStage *stage = kind->stage;
+    const PercaleModelSurface *mesh = kind->list->mesh;
+    bool edges = kind->hood.arity == 2;
+    if (mesh == &stage->model->cloth && edges) {
+        percale_pair_find_edge(stage, collector, item);
+    } else if (mesh == &stage->model->cloth) {
+        percale_pair_find_vertex(stage, collector, item);
+    } else if (edges) {
+        percale_pair_find_obstacle_edge(stage, collector, mesh, item);
+    } else {
+        percale_pair_find_obstacle_vertex(stage, collector, mesh, mesh->first_point + item);
     }
 }
 
-/// Items: edges of the cloth, or of an obstacle.
-typedef struct Edges {
-    const PercalePairStage *stage;
-    const PercaleModelSurface *obstacle; // NULL: the cloth
-} Edges;
-
-static void find_edges(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+/// The items whose first pair is in the range.
+static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
-    const Edges *edges = context;
-    for (uint64_t i = first; collector->complete && i < end; i++) {
-        if (edges->obstacle == NULL) {
-            percale_pair_find_edge(edges->stage, collector, (uint32_t)i);
-        } else {
-            percale_pair_find_obstacle_edge(edges->stage, collector, edges->obstacle, (uint32_t)i);
+    const Kind *kind = context;
+    PercaleCandidateRun run = percale_candidates_run(kind->list, first);
+    for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
+        PercaleQuery query =
+            percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
+        collector->neighbors.count = 0;
+        collector->candidates += run.end - run.first;
+        if (!percale_neighbors_find(&kind->hood, &query, kind->list->pairs.items + run.first,
+                                    run.end - run.first, &collector->memory, &collector->neighbors)) {
+            collector->complete = false;
+        } else if (collector->neighbors.count > 0) {
+            find_item(kind, collector, run.item);
         }
     }
 }
@@ -70,28 +75,18 @@ static bool sort_notes(PercaleNoteList *notes, PercaleMemory *memory)
 bool percale_pairs_find(const PercalePairStage *stage, PercaleCollectors *collectors, PercaleMemory *memory,
                         PercaleStencilList *stencils, PercaleNoteList *notes, PercalePairCounts *counts)
 {
-    const PercaleModel *model = stage->model;
-    Points points = {stage, stage->cloth ? 0 : model->slot_count};
-    uint32_t point_end = stage->obstacles ? model->point_count : model->slot_count;
-    size_t before = stencils->count;
+    const PercaleCandidates *candidates = stage->candidates;
+    PercaleCollected to = {.stencils = stencils, .notes = notes};
     notes->count = 0;
-    bool complete = percale_collect(stage->team, point_end - points.first, find_points, &points, collectors,
-                                    memory, stencils, notes);
-    counts->candidates += collectors->candidates;
-    counts->vertex_face += stencils->count - before;
-    before = stencils->count;
-    if (complete && stage->edges && stage->cloth) {
-        Edges cloth = {stage, NULL};
-        complete = percale_collect(stage->team, model->cloth.edges.edge_count, find_edges, &cloth, collectors,
-                                   memory, stencils, notes);
+    bool complete = true;
+    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
+        Kind kind = {stage, &candidates->lists[i], percale_candidates_hood(candidates, i)};
+        kind.hood.all_near = stage->later_substeps > 0.0f;
+        size_t before = stencils->count;
+        complete =
+            percale_collect(stage->team, kind.list->pairs.count, find_items, &kind, collectors, memory, &to);
         counts->candidates += collectors->candidates;
+        *(kind.hood.arity == 2 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
     }
-    for (uint32_t o = 0; complete && stage->obstacles && o < model->obstacle_count; o++) {
-        Edges edges = {stage, &model->obstacles[o]};
-        complete = percale_collect(stage->team, model->obstacles[o].edges.edge_count, find_edges, &edges,
-                                   collectors, memory, stencils, notes);
-        counts->candidates += collectors->candidates;
-    }
-    counts->edge_edge += stencils->count - before;
     return complete && sort_notes(notes, memory);
 }

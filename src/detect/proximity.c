@@ -23,8 +23,8 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
     proximity->active = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
     if (proximity->clearance == NULL || proximity->nearest == NULL || proximity->side == NULL ||
         proximity->is_active == NULL || proximity->active == NULL ||
-        !percale_tree_build(&proximity->tree, obstacle->triangles, obstacle->triangle_count, model->position,
-                            memory)) {
+        !percale_tree_build(&proximity->tree, obstacle->triangles, 3, obstacle->triangle_count,
+                            model->position, memory)) {
         percale_proximity_free(proximity, memory);
         return false;
     }

@@ -9,6 +9,8 @@
 
 #include "base/simd.h"
 
+#include <stdbool.h>
+
 typedef struct PercaleStencil {
     uint32_t points[4];
     float weights[4]; // multiples of 2^-24 with the exact sum 0
@@ -27,6 +29,24 @@ static inline void quantize_weights(const double weights[3], float quantized[3])
     quantized[0] = (float)first;
     quantized[1] = (float)second;
     quantized[2] = (float)(1.0 - first - second);
+}
+
+/// Sets the weights of a vertex and a face (1, -b1, -b2, -b3) or of two edges, so that those of each sign sum
+/// to exactly 1.
+static inline void percale_stencil_weigh(PercaleStencil *stencil, const double weights[4], bool edges)
+{
+    const double first[3] = {weights[0], weights[1], 0.0};
+    const double second[3] = {-weights[edges ? 2 : 1], -weights[edges ? 3 : 2], edges ? 0.0 : -weights[3]};
+    float a[3] = {0.0f, 0.0f, 0.0f};
+    float b[3];
+    if (edges) {
+        quantize_weights(first, a);
+    }
+    quantize_weights(second, b);
+    stencil->weights[0] = 1.0f - a[1];
+    stencil->weights[1] = edges ? a[1] : -b[0];
+    stencil->weights[2] = edges ? -(1.0f - b[1]) : -b[1];
+    stencil->weights[3] = edges ? -b[1] : -b[2];
 }
 
 #endif

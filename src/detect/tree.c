@@ -5,39 +5,42 @@
 
 #include <string.h>
 
-/// Fills tree->order with the triangles along the curve of their centroids.
-static bool order_triangles(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points,
-                            PercaleMemory *memory)
+/// Fills tree->order with the primitives along the curve of their centroids.
+static bool order_primitives(PercaleTree *tree, const uint32_t *primitives, const f32x4 *points,
+                             PercaleMemory *memory)
 {
-    float *centroids = percale_memory_new(memory, 3 * (size_t)tree->triangle_count, sizeof(float));
+    float *centroids = percale_memory_new(memory, 3 * (size_t)tree->primitive_count, sizeof(float));
     if (centroids == NULL) {
         return false;
     }
-    for (uint32_t t = 0; t < tree->triangle_count; t++) {
-        const uint32_t *corners = triangles + 3 * (size_t)t;
-        f32x4 sum = points[corners[0]] + points[corners[1]] + points[corners[2]];
-        memcpy(centroids + 3 * (size_t)t, &sum, 3 * sizeof(float));
+    for (uint32_t i = 0; i < tree->primitive_count; i++) {
+        const uint32_t *corners = primitives + (size_t)tree->arity * i;
+        f32x4 sum = points[corners[0]];
+        for (uint32_t k = 1; k < tree->arity; k++) {
+            sum += points[corners[k]];
+        }
+        memcpy(centroids + 3 * (size_t)i, &sum, 3 * sizeof(float));
     }
-    bool complete = percale_order_along_curve(centroids, tree->triangle_count, memory, tree->order);
+    bool complete = percale_order_along_curve(centroids, tree->primitive_count, memory, tree->order);
     percale_memory_free(memory, centroids);
     return complete;
 }
 
-bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
-                        const f32x4 *points, PercaleMemory *memory)
+bool percale_tree_build(PercaleTree *tree, const uint32_t *primitives, uint32_t arity,
+                        uint32_t primitive_count, const f32x4 *points, PercaleMemory *memory)
 {
-    *tree = (PercaleTree){.triangle_count = triangle_count};
+    *tree = (PercaleTree){.arity = arity, .primitive_count = primitive_count};
     uint32_t total = 0;
-    uint32_t count = triangle_count;
+    uint32_t count = primitive_count;
     do {
         count = (count + TREE_WIDTH - 1) / TREE_WIDTH;
         tree->level_first[tree->level_count] = total;
         tree->level_size[tree->level_count++] = count;
         total += count;
     } while (count > 1);
-    tree->order = percale_memory_new(memory, triangle_count, sizeof(uint32_t));
+    tree->order = percale_memory_new(memory, primitive_count, sizeof(uint32_t));
     tree->nodes = percale_memory_new(memory, total, sizeof(tree->nodes[0]));
-    if (tree->order == NULL || tree->nodes == NULL || !order_triangles(tree, triangles, points, memory)) {
+    if (tree->order == NULL || tree->nodes == NULL || !order_primitives(tree, primitives, points, memory)) {
         percale_tree_free(tree, memory);
         return false;
     }
@@ -65,7 +68,7 @@ static const f32x4 ABSENT_HIGH = {-INFINITY, -INFINITY, -INFINITY, 0.0f};
 /// What the chunks of a refit share.
 typedef struct Refit {
     PercaleTree *tree;
-    const uint32_t *triangles;
+    const uint32_t *primitives;
     const f32x4 *const *places;
     int place_count;
     uint32_t level;
@@ -78,8 +81,8 @@ static void refit_lowest(const Refit *refit, uint32_t node)
         uint32_t place = TREE_WIDTH * node + child;
         f32x4 low = ABSENT_LOW;
         f32x4 high = ABSENT_HIGH;
-        for (uint32_t k = 0; place < tree->triangle_count && k < 3; k++) {
-            uint32_t point = refit->triangles[3 * (size_t)tree->order[place] + k];
+        for (uint32_t k = 0; place < tree->primitive_count && k < tree->arity; k++) {
+            uint32_t point = refit->primitives[(size_t)tree->arity * tree->order[place] + k];
             for (int i = 0; i < refit->place_count; i++) {
                 low = min4(low, refit->places[i][point]);
                 high = max4(high, refit->places[i][point]);
@@ -119,26 +122,26 @@ static void refit_range(void *context, uint32_t first, uint32_t end)
     }
 }
 
-void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team)
+void percale_tree_refit(PercaleTree *tree, const uint32_t *primitives, const f32x4 *points, PercaleTeam *team)
 {
-    percale_tree_refit_swept(tree, triangles, &points, 1, team);
+    percale_tree_refit_swept(tree, primitives, &points, 1, team);
 }
 
-void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *const *places,
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *primitives, const f32x4 *const *places,
                               int place_count, PercaleTeam *team)
 {
     enum { GRAIN_NODES = GRAIN / (4 * TREE_WIDTH) };
     Refit levels[TREE_LEVELS_MAX];
     PercalePhase phases[TREE_LEVELS_MAX];
     for (uint32_t level = 0; level < tree->level_count; level++) {
-        levels[level] = (Refit){tree, triangles, places, place_count, level};
+        levels[level] = (Refit){tree, primitives, places, place_count, level};
         phases[level] = (PercalePhase){refit_range, &levels[level], 0, tree->level_size[level], GRAIN_NODES};
     }
     percale_team_run(team, phases, tree->level_count);
 }
 
 bool percale_tree_overlap(const PercaleTree *tree, f32x4 low, f32x4 high, PercaleMemory *memory,
-                          PercaleTriangleList *list)
+                          PercaleNodeList *list)
 {
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
@@ -147,18 +150,17 @@ bool percale_tree_overlap(const PercaleTree *tree, f32x4 low, f32x4 high, Percal
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
         uint32_t bits = lane_bits(tree_box_overlaps(tree_node(tree, entry), low, high));
-        if (entry.level == 0 && bits != 0 &&
-            !percale_memory_reserve(memory, &list->items, &list->capacity, list->count + TREE_WIDTH,
-                                    sizeof(uint32_t))) {
-            return false;
+        if (entry.level == 0 && bits != 0) {
+            if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + 1,
+                                        sizeof(uint32_t))) {
+                return false;
+            }
+            list->items[list->count++] = entry.node;
+            continue;
         }
         for (; bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
-            if (entry.level > 0) {
-                stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
-            } else {
-                list->items[list->count++] = tree->order[TREE_WIDTH * entry.node + k];
-            }
+            stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
         }
     }
     return true;

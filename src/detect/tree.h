@@ -1,10 +1,10 @@
-// tree.h: the wide bounding volume hierarchy over triangles.
+// tree.h: the wide bounding volume hierarchy over triangles or edges.
 //
-//   in   triangles, positions
+//   in   primitives (triangles or edges), positions
 //   out  boxes, eight children to a node; refit in place when the positions move
 //
 // Implicit: node i of a level has the children 8 i .. 8 i + 7 of the level below; the lowest level's children
-// are triangles along a space-filling curve. No pointers, no rebuild while the mesh keeps its triangles.
+// are primitives along a space-filling curve. No pointers, no rebuild while the mesh keeps them.
 
 #ifndef PERCALE_TREE_H
 #define PERCALE_TREE_H
@@ -20,33 +20,36 @@ typedef struct PercaleTreeNode {
 } PercaleTreeNode;
 
 typedef struct PercaleTree {
-    uint32_t triangle_count;
-    uint32_t *order; // [triangle_count] triangle at each place of the lowest level
+    uint32_t arity; // points of a primitive: 3 of a triangle, 2 of an edge
+    uint32_t primitive_count;
+    uint32_t *order; // [primitive_count] primitive at each place of the lowest level
     uint32_t level_count;
     uint32_t level_first[TREE_LEVELS_MAX]; // index of a level's first node; level 0 is the lowest
     uint32_t level_size[TREE_LEVELS_MAX];  // nodes
     PercaleTreeNode *nodes;
 } PercaleTree;
 
-/// triangles: [3 * triangle_count] indices into points. False without memory. Boxes are valid after a refit.
-bool percale_tree_build(PercaleTree *tree, const uint32_t *triangles, uint32_t triangle_count,
-                        const f32x4 *points, PercaleMemory *memory);
-void percale_tree_refit(PercaleTree *tree, const uint32_t *triangles, const f32x4 *points, PercaleTeam *team);
+/// primitives: [arity * primitive_count] indices into points. False without memory. Boxes are valid after a
+/// refit.
+bool percale_tree_build(PercaleTree *tree, const uint32_t *primitives, uint32_t arity,
+                        uint32_t primitive_count, const f32x4 *points, PercaleMemory *memory);
+void percale_tree_refit(PercaleTree *tree, const uint32_t *primitives, const f32x4 *points,
+                        PercaleTeam *team);
 /// Boxes over several places of the points.
-void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *triangles, const f32x4 *const *places,
+void percale_tree_refit_swept(PercaleTree *tree, const uint32_t *primitives, const f32x4 *const *places,
                               int place_count, PercaleTeam *team);
 void percale_tree_free(PercaleTree *tree, PercaleMemory *memory);
 
-/// A growing list of triangles.
-typedef struct PercaleTriangleList {
+/// A growing list of nodes.
+typedef struct PercaleNodeList {
     uint32_t *items;
     size_t count, capacity;
-} PercaleTriangleList;
+} PercaleNodeList;
 
-/// All triangles whose boxes touch the box, in a fixed order, appended to the emptied list. False without
-/// memory.
+/// All nodes of the lowest level with a child whose box touches the box, in a fixed order, appended to the
+/// emptied list. False without memory.
 bool percale_tree_overlap(const PercaleTree *tree, f32x4 low, f32x4 high, PercaleMemory *memory,
-                          PercaleTriangleList *list);
+                          PercaleNodeList *list);
 
 /// One entry of a traversal: a node of a level.
 typedef struct PercaleTreeEntry {

@@ -1,0 +1,393 @@
+#include "detect/candidates.h"
+
+#include "base/parallel.h"
+#include "base/reduce.h"
+
+#include <string.h>
+
+// Share of the mean edge by which candidates may be farther apart than in reach: more makes the lists longer,
+// less makes them anew more often.
+static const float MARGIN = 0.25f;
+
+enum {
+    BLOCK_SLOTS = 64,  // at least: where it bends, a larger block deviates more from its mean
+    BLOCKS_MOST = 512, // all are compared with each other
+};
+
+/// What a block has moved since the reference.
+struct PercaleBlock {
+    f32x4 low, high; // box of its ways
+    f32x4 mean;      // m
+    float deviation; // m, from the mean, at most
+};
+
+float percale_widest_reach(const PercaleModel *model, float thickness)
+{
+    return 1.001f * (thickness + thickest_cloth(model)); // twice the mean
+}
+
+// ---- create ----
+
+static float mean_edge(const PercaleModel *model)
+{
+    double sum = 0.0;
+    for (uint32_t e = 0; e < model->edge_count; e++) {
+        sum += (double)model->edge_lengths[e];
+    }
+    return model->edge_count > 0 ? (float)(sum / (double)model->edge_count) : 0.0f;
+}
+
+bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
+                               bool edges, bool obstacles, PercaleMemory *memory)
+{
+    *candidates = (PercaleCandidates){.model = model, .cloth = cloth, .obstacles = obstacles};
+    uint32_t mesh_count = 1 + model->obstacle_count;
+    uint32_t size = (model->slot_count + BLOCKS_MOST - 1) / BLOCKS_MOST;
+    candidates->margin = MARGIN * mean_edge(model);
+    candidates->list_count = 2 * mesh_count;
+    candidates->block_size = size > BLOCK_SLOTS ? size : BLOCK_SLOTS;
+    candidates->block_count =
+        (model->slot_count + candidates->block_size - 1) / candidates->block_size + model->obstacle_count;
+    candidates->lists = percale_memory_new(memory, candidates->list_count, sizeof(candidates->lists[0]));
+    candidates->reference = percale_memory_new(memory, model->point_count, sizeof(f32x4));
+    candidates->blocks = percale_memory_new(memory, candidates->block_count, sizeof(candidates->blocks[0]));
+    bool complete = candidates->lists != NULL && candidates->reference != NULL &&
+                    candidates->blocks != NULL &&
+                    percale_tree_build(&candidates->faces, model->cloth.triangles, 3,
+                                       model->cloth.triangle_count, model->position, memory) &&
+                    (!edges || percale_tree_build(&candidates->edges, model->cloth.edges.vertices[0], 2,
+                                                  model->cloth.edges.edge_count, model->position, memory));
+    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
+        candidates->lists[i].mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
+    }
+    return complete;
+}
+
+void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory)
+{
+    for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
+        percale_memory_free(memory, candidates->lists[i].pairs.items);
+    }
+    percale_memory_free(memory, candidates->lists);
+    percale_memory_free(memory, candidates->reference);
+    percale_memory_free(memory, candidates->blocks);
+    percale_tree_free(&candidates->faces, memory);
+    percale_tree_free(&candidates->edges, memory);
+    *candidates = (PercaleCandidates){0};
+}
+
+// ---- hold ----
+
+/// What the chunks of a check share.
+typedef struct Check {
+    PercaleCandidates *candidates;
+    const f32x4 *from, *to;
+    uint32_t cloth_blocks;
+    float slack;
+    ReducedUint spent; // the first block that has moved too far against another
+} Check;
+
+/// Points of a block: of the cloth, or all of an obstacle.
+static void block_points(const Check *check, uint32_t block, uint32_t range[2])
+{
+    const PercaleCandidates *candidates = check->candidates;
+    const PercaleModel *model = candidates->model;
+    if (block >= check->cloth_blocks) {
+        const PercaleModelSurface *obstacle = &model->obstacles[block - check->cloth_blocks];
+        range[0] = obstacle->first_point;
+        range[1] = obstacle->first_point + obstacle->vertex_count;
+        return;
+    }
+    range[0] = block * candidates->block_size;
+    range[1] = range[0] + candidates->block_size;
+    range[1] = range[1] < model->slot_count ? range[1] : model->slot_count;
+}
+
+static void measure_blocks(void *context, uint32_t first, uint32_t end)
+{
+    const Check *check = context;
+    const f32x4 *reference = check->candidates->reference;
+    for (uint32_t b = first; b < end; b++) {
+        uint32_t range[2];
+        block_points(check, b, range);
+        struct PercaleBlock block = {check->to[range[0]], check->to[range[0]], {0}, 0.0f};
+        f32x4 sum = {0};
+        for (uint32_t i = range[0]; i < range[1]; i++) {
+            sum += check->to[i] - reference[i];
+            block.low = min4(block.low, min4(check->from[i], check->to[i]));
+            block.high = max4(block.high, max4(check->from[i], check->to[i]));
+        }
+        block.mean = sum / (float)(range[1] - range[0]);
+        for (uint32_t i = range[0]; i < range[1]; i++) {
+            block.deviation = fmaxf(block.deviation, length3(check->to[i] - reference[i] - block.mean));
+        }
+        check->candidates->blocks[b] = block;
+    }
+}
+
+static void compare_blocks(void *context, uint32_t first, uint32_t end)
+{
+    Check *check = context;
+    const PercaleCandidates *candidates = check->candidates;
+    const struct PercaleBlock *blocks = candidates->blocks;
+    float reach = percale_widest_reach(candidates->model, thickest_cloth(candidates->model));
+    const f32x4 wider = {reach, reach, reach, 0.0f};
+    for (uint32_t a = first; a < end; a++) {
+        f32x4 low = blocks[a].low - wider;
+        f32x4 high = blocks[a].high + wider;
+        uint32_t b = candidates->cloth ? a : check->cloth_blocks;
+        uint32_t last = candidates->obstacles ? candidates->block_count : check->cloth_blocks;
+        for (; b < last; b++) {
+            f32x4 apart = max4(low - blocks[b].high, blocks[b].low - high);
+            if (apart[0] > 0.0f || apart[1] > 0.0f || apart[2] > 0.0f) {
+                continue;
+            }
+            float moved = length3(blocks[a].mean - blocks[b].mean);
+            if (!(blocks[a].deviation + blocks[b].deviation + moved <= check->slack)) {
+                reduce_min(&check->spent, a);
+                return;
+            }
+        }
+    }
+}
+
+bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, const f32x4 *to, float slack,
+                             PercaleTeam *team)
+{
+    enum { GRAIN_BLOCKS = 16 };
+    if (!candidates->known) {
+        return false;
+    }
+    uint32_t cloth_blocks = candidates->block_count - candidates->model->obstacle_count;
+    Check check = {candidates, from, to, cloth_blocks, slack, UINT32_MAX};
+    PercalePhase phases[2] = {{measure_blocks, &check, 0, candidates->block_count, GRAIN_BLOCKS},
+                              {compare_blocks, &check, 0, cloth_blocks, GRAIN_BLOCKS}};
+    percale_team_run(team, phases, 2);
+    return check.spent == UINT32_MAX;
+}
+
+// ---- find ----
+
+/// The items of one list, to be asked for.
+typedef struct Search {
+    const PercaleCandidates *candidates;
+    const PercaleCandidateList *list;
+    PercaleNeighborhood hood;
+    const PercaleTree *tree;
+    const f32x4 *const *places;
+    int place_count;
+    uint32_t group; // items that are near each other
+} Search;
+
+/// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
+typedef struct Group {
+    uint32_t first, count;
+    PercaleQuery queries[TREE_WIDTH];
+    f32x4 low[TREE_WIDTH], high[TREE_WIDTH];
+    f32x4 least, most; // around all
+} Group;
+
+PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleModelSurface *mesh, bool edge,
+                                     uint32_t item)
+{
+    uint32_t first = mesh->first_point;
+    PercaleQuery query = {.points = {first + item, first + item}};
+    if (edge) {
+        query.points[0] = first + mesh->edges.vertices[item][0];
+        query.points[1] = first + mesh->edges.vertices[item][1];
+    }
+    bool is_cloth = mesh == &model->cloth;
+    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
+    query.reach = percale_widest_reach(model, thickness);
+    return query;
+}
+
+static void add_query(const Search *search, Group *group, uint32_t item)
+{
+    uint32_t k = group->count++;
+    PercaleQuery *query = &group->queries[k];
+    const PercaleCandidates *candidates = search->candidates;
+    *query = percale_candidate_query(candidates->model, search->list->mesh, search->tree->arity == 2, item);
+    query->reach += candidates->margin;
+    f32x4 low = search->places[0][query->points[0]];
+    f32x4 high = low;
+    for (int i = 0; i < search->place_count; i++) {
+        const f32x4 *x = search->places[i];
+        low = min4(low, min4(x[query->points[0]], x[query->points[1]]));
+        high = max4(high, max4(x[query->points[0]], x[query->points[1]]));
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        float slack = query->reach + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
+        low[axis] -= slack;
+        high[axis] += slack;
+    }
+    group->low[k] = low;
+    group->high[k] = high;
+    group->least = k == 0 ? low : min4(group->least, low);
+    group->most = k == 0 ? high : max4(group->most, high);
+}
+
+/// Primitives whose boxes the query's touches; of the cloth's edges, those after it.
+static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
+{
+    const PercaleTree *tree = search->tree;
+    PercaleItemPairList *touched = &collector->touched;
+    bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
+    uint32_t first = only_later ? group->first + k + 1 : 0;
+    touched->count = 0;
+    for (size_t i = 0; i < collector->nodes.count; i++) {
+        uint32_t node = collector->nodes.items[i];
+        uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], group->low[k], group->high[k]));
+        if (bits == 0) {
+            continue;
+        }
+        if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity,
+                                    touched->count + TREE_WIDTH, sizeof(touched->items[0]))) {
+            return false;
+        }
+        for (; bits != 0; bits &= bits - 1) {
+            uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
+            if (primitive >= first) {
+                touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive};
+            }
+        }
+    }
+    return true;
+}
+
+/// Keeps the neighbours of an item, ascending.
+static void keep_neighbors(PercaleCollector *collector, uint32_t item)
+{
+    PercaleNeighborList *found = &collector->neighbors;
+    for (size_t i = 1; i < found->count; i++) {
+        PercaleNeighbor neighbor = found->items[i];
+        size_t at = i;
+        for (; at > 0 && found->items[at - 1].index > neighbor.index; at--) {
+            found->items[at] = found->items[at - 1];
+        }
+        found->items[at] = neighbor;
+    }
+    for (size_t i = 0; i < found->count; i++) {
+        percale_collect_pair(collector, (PercaleItemPair){item, found->items[i].index});
+    }
+}
+
+static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+{
+    const Search *search = context;
+    for (uint64_t i = first; collector->complete && i < end; i += search->group) {
+        Group group = {.first = (uint32_t)i};
+        for (uint64_t k = i; k < end && k < i + search->group; k++) {
+            add_query(search, &group, (uint32_t)k);
+        }
+        bool complete = percale_tree_overlap(search->tree, group.least, group.most, &collector->memory,
+                                             &collector->nodes);
+        for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
+            collector->neighbors.count = 0;
+            complete =
+                list_touched(search, &group, k, collector) &&
+                percale_neighbors_find(&search->hood, &group.queries[k], collector->touched.items,
+                                       collector->touched.count, &collector->memory, &collector->neighbors);
+            collector->candidates += collector->touched.count;
+            if (complete) {
+                keep_neighbors(collector, group.first + k);
+            }
+        }
+        collector->complete = collector->complete && complete;
+    }
+}
+
+bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *places, int place_count,
+                             PercaleCollectors *collectors, PercaleMemory *memory, PercaleTeam *team,
+                             uint64_t *tested)
+{
+    const PercaleModelSurface *cloth = &candidates->model->cloth;
+    const uint32_t *primitives[2] = {cloth->triangles, cloth->edges.vertices[0]};
+    const PercaleTree *trees[2] = {&candidates->faces, &candidates->edges};
+    const f32x4 *reference = places[place_count - 1];
+    candidates->known = false;
+    percale_tree_refit_swept(&candidates->faces, primitives[0], places, place_count, team);
+    if (candidates->edges.nodes != NULL) {
+        percale_tree_refit_swept(&candidates->edges, primitives[1], places, place_count, team);
+    }
+    bool complete = true;
+    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
+        PercaleCandidateList *list = &candidates->lists[i];
+        bool is_cloth = i < 2;
+        bool of_edges = i % 2 == 1;
+        list->pairs.count = 0;
+        if ((of_edges && candidates->edges.nodes == NULL) ||
+            !(is_cloth ? candidates->cloth : candidates->obstacles)) {
+            continue;
+        }
+        Search search = {
+            candidates,
+            list,
+            {primitives[of_edges], of_edges ? 2 : 3, places[0], reference, place_count > 2, true},
+            trees[of_edges],
+            places,
+            place_count,
+            is_cloth ? TREE_WIDTH : 1}; // nobody orders an obstacle's vertices
+        uint32_t count = of_edges ? list->mesh->edges.edge_count : list->mesh->vertex_count;
+        complete = percale_collect(team, count, find_items, &search, collectors, memory,
+                                   &(PercaleCollected){.pairs = &list->pairs});
+        *tested += collectors->candidates;
+    }
+    if (complete) {
+        memcpy(candidates->reference, reference, candidates->model->point_count * sizeof(f32x4));
+        candidates->known = true;
+    }
+    return complete;
+}
+
+PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list)
+{
+    const PercaleModel *model = candidates->model;
+    const PercaleModelSurface *cloth = &model->cloth;
+    bool of_edges = list % 2 == 1;
+    return (PercaleNeighborhood){.primitives = of_edges ? cloth->edges.vertices[0] : cloth->triangles,
+                                 .arity = of_edges ? 2 : 3,
+                                 .from = model->position,
+                                 .to = model->predicted};
+}
+
+PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first)
+{
+    const PercaleItemPair *pairs = list->pairs.items;
+    while (first > 0 && first < list->pairs.count && pairs[first - 1].item == pairs[first].item) {
+        first++;
+    }
+    PercaleCandidateRun run = {first, first, first < list->pairs.count ? pairs[first].item : 0};
+    while (run.end < list->pairs.count && pairs[run.end].item == run.item) {
+        run.end++;
+    }
+    return run;
+}
+
+bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t point, uint32_t slot)
+{
+    const PercaleModel *model = candidates->model;
+    uint32_t mask = model->cloths[model->cloth_of[slot]].mask;
+    if (point < model->slot_count) {
+        return (mask & model->cloths[model->cloth_of[point]].mask) != 0;
+    }
+    uint32_t o = 0;
+    while (point - model->obstacles[o].first_point >= model->obstacles[o].vertex_count) {
+        o++;
+    }
+    return (mask & model->obstacles[o].mask) != 0;
+}
+
+float percale_candidates_least_reach(const PercaleCandidates *candidates)
+{
+    const PercaleModel *model = candidates->model;
+    float cloth = INFINITY;
+    float obstacle = INFINITY;
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        cloth = fminf(cloth, model->cloths[c].thickness);
+    }
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        obstacle = fminf(obstacle, model->obstacles[o].thickness);
+    }
+    return cloth + fminf(cloth, obstacle);
+}

@@ -1,0 +1,80 @@
+// candidates.h: pairs of features that may come within reach, kept as long as nothing else can.
+//
+//   in   trees over the cloth's triangles and edges, positions
+//   out  for each item (a vertex or an edge) the primitives of the cloth that it may come to touch
+//
+// They are found where all points were at one moment, with a margin beyond the reach. Two points that were
+// farther apart than that can't touch as long as the difference of what they have moved is smaller. Slots are
+// cut into blocks: a block's motion is its mean and the greatest deviation from it, so what all fall together
+// costs nothing. Blocks are compared where they are near each other now, whether they were then or not.
+//
+// The lists are the same whenever they are made: a pair in a list that is not near is seen as that by
+// percale_neighbors_find.
+
+#ifndef PERCALE_CANDIDATES_H
+#define PERCALE_CANDIDATES_H
+
+#include "detect/collect.h"
+#include "model/model.h"
+
+/// The pairs of one kind of item, by item.
+typedef struct PercaleCandidateList {
+    const PercaleModelSurface *mesh; // whose vertices or edges the items are
+    PercaleItemPairList pairs;
+} PercaleCandidateList;
+
+typedef struct PercaleCandidates {
+    const PercaleModel *model;
+    PercaleTree faces, edges;    // of the cloth; edges only where they collide
+    bool cloth, obstacles;       // what collides with the cloth
+    PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
+    uint32_t list_count;
+    float margin;                // m, beyond the reach
+    f32x4 *reference;            // [point_count] where all points were
+    bool known;                  // the lists hold pairs of `reference`
+    uint32_t block_size;         // slots
+    struct PercaleBlock *blocks; // [blocks of slots, then one for each obstacle]
+    uint32_t block_count;
+} PercaleCandidates;
+
+/// False without memory.
+bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
+                               bool edges, bool obstacles, PercaleMemory *memory);
+void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory);
+
+/// Whether no two points near each other on these ways have moved against each other by more than `slack`, m,
+/// since the lists were made: then those that are in no list are farther apart than margin + reach - slack.
+bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, const f32x4 *to, float slack,
+                             PercaleTeam *team);
+
+/// Finds them anew. `places`: positions on whose ways nothing may be missed; the last is the reference.
+bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *places, int place_count,
+                             PercaleCollectors *collectors, PercaleMemory *memory, PercaleTeam *team,
+                             uint64_t *tested);
+
+/// What a list's items are asked against, on the way from the model's position to its predicted one.
+PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list);
+
+/// Whether a point (of the cloth or an obstacle) collides with a vertex of the cloth.
+bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t point, uint32_t slot);
+
+/// The smallest reach of any pair, m.
+float percale_candidates_least_reach(const PercaleCandidates *candidates);
+
+/// The pairs [first, end) of one item.
+typedef struct PercaleCandidateRun {
+    size_t first, end;
+    uint32_t item;
+} PercaleCandidateRun;
+
+/// The run that begins at `first` or next after it; first is the list's count when there is none.
+PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first);
+
+/// An item of a list, as a query; `edge`: else a vertex.
+PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleModelSurface *mesh, bool edge,
+                                     uint32_t item);
+
+/// Farthest that two cloths of the greatest thickness, or such a one and a surface of this, are in reach, m.
+float percale_widest_reach(const PercaleModel *model, float thickness);
+
+#endif

@@ -1,0 +1,56 @@
+// neighbors.h: which of some triangles a vertex may touch, which of some edges an edge may: eight at a time.
+//
+//   in   points at the start and the end of their ways, a query, primitives
+//   out  those within the query's reach at the end, or that its way may have crossed
+//
+// Distances are float32 and err on the near side: who asks decides in double.
+
+#ifndef PERCALE_NEIGHBORS_H
+#define PERCALE_NEIGHBORS_H
+
+#include "base/memory.h"
+#include "base/simd.h"
+
+/// A primitive that a query may touch.
+typedef struct PercaleNeighbor {
+    uint32_t index;
+    bool may_pass; // the ways touch: one may have gone through the other
+} PercaleNeighbor;
+
+typedef struct PercaleNeighborList {
+    PercaleNeighbor *items;
+    size_t count, capacity;
+} PercaleNeighborList;
+
+/// An item (a vertex or an edge) and a primitive that it may come to touch.
+typedef struct PercaleItemPair {
+    uint32_t item, primitive;
+} PercaleItemPair;
+
+typedef struct PercaleItemPairList {
+    PercaleItemPair *items;
+    size_t count, capacity;
+} PercaleItemPairList;
+
+/// What is asked: triangles by vertices, or edges by edges.
+typedef struct PercaleNeighborhood {
+    const uint32_t *primitives; // [arity * count] points
+    uint32_t arity;             // 3 or 2
+    const f32x4 *from, *to;     // where the points' ways begin and end
+    bool all_near;              // distances aren't asked
+    bool ends_too;              // else two edges are near only where both are closest inside
+} PercaleNeighborhood;
+
+/// A vertex (twice the same point) or an edge. Primitives with one of its points are none of its neighbours.
+typedef struct PercaleQuery {
+    uint32_t points[2];
+    float reach; // m
+} PercaleQuery;
+
+/// The neighbours among the primitives of `count` pairs, in their order, appended to the list. False without
+/// memory.
+bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *query,
+                            const PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
+                            PercaleNeighborList *list);
+
+#endif

@@ -1,0 +1,181 @@
+#include "finish/pair_guard.h"
+
+#include "detect/passage.h"
+
+#include <string.h>
+
+enum {
+    PUSHES = 8, // rounds in which what has passed is pushed back
+    HALVES = 4, // rounds in which it goes half as far, before it doesn't go at all
+    ROUNDS = 32 // then what is left is counted
+};
+
+// Share of the distance at the start that is left to what has passed: contact widens it again.
+static const double KEPT = 0.5;
+
+// ---- who has passed ----
+
+/// The candidates of one kind of item.
+typedef struct Kind {
+    const PercalePairGuardStage *stage;
+    const PercaleCandidateList *list;
+    PercaleNeighborhood hood;
+} Kind;
+
+/// Back to the side that it came from, a little less far than it was.
+static void add_push(PercaleCollector *collector, const uint32_t points[4], const Vec3 *from,
+                     const PercalePassage *passage, bool edges)
+{
+    double gap = vdot(passage->normal, weigh_points(from, passage->weights));
+    PercaleStencil stencil = {.normal = f32x4_of(passage->normal, (float)(KEPT * gap))};
+    memcpy(stencil.points, points, sizeof(stencil.points));
+    percale_stencil_weigh(&stencil, passage->weights, edges);
+    percale_collect_stencil(collector, &stencil);
+}
+
+static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query)
+{
+    const PercaleModel *model = kind->stage->model;
+    bool edges = kind->hood.arity == 2;
+    for (size_t i = 0; i < collector->neighbors.count; i++) {
+        const uint32_t *corners =
+            kind->hood.primitives + (size_t)kind->hood.arity * collector->neighbors.items[i].index;
+        uint32_t points[4] = {query->points[0], edges ? query->points[1] : corners[0], corners[edges ? 0 : 1],
+                              corners[edges ? 1 : 2]};
+        if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0])) {
+            continue;
+        }
+        Vec3 from[4];
+        Vec3 to[4];
+        for (int k = 0; k < 4; k++) {
+            from[k] = vec3_of(model->position[points[k]]);
+            to[k] = vec3_of(model->predicted[points[k]]);
+        }
+        PercalePassage passage;
+        if (edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage)) {
+            add_push(collector, points, from, &passage, edges);
+        }
+    }
+}
+
+/// The items whose first pair is in the range.
+static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+{
+    const Kind *kind = context;
+    PercaleCandidateRun run = percale_candidates_run(kind->list, first);
+    for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
+        PercaleQuery query =
+            percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
+        query.reach = -1.0f; // only those whose ways touch
+        collector->neighbors.count = 0;
+        collector->candidates += run.end - run.first;
+        if (percale_neighbors_find(&kind->hood, &query, kind->list->pairs.items + run.first,
+                                   run.end - run.first, &collector->memory, &collector->neighbors)) {
+            find_passing(kind, collector, &query);
+        } else {
+            collector->complete = false;
+        }
+    }
+}
+
+/// All passages from the start to where the points are now.
+static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
+{
+    const PercaleModel *model = stage->model;
+    PercaleCandidates *candidates = stage->candidates;
+    const f32x4 *places[2] = {model->position, model->predicted};
+    float slack = candidates->margin + percale_candidates_least_reach(candidates);
+    bool complete = percale_candidates_hold(candidates, places[0], places[1], slack, stage->team) ||
+                    percale_candidates_find(candidates, places, 2, stage->collectors, stage->memory,
+                                            stage->team, &counts->candidates);
+    stage->passing->count = 0;
+    PercaleCollected to = {.stencils = stage->passing};
+    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
+        Kind kind = {stage, &candidates->lists[i], percale_candidates_hood(candidates, i)};
+        complete = percale_collect(stage->team, kind.list->pairs.count, find_items, &kind, stage->collectors,
+                                   stage->memory, &to);
+        counts->candidates += stage->collectors->candidates;
+    }
+    return complete;
+}
+
+// ---- back ----
+
+/// Moves a point and gives it the velocity that it has so. What is known of its distances shrinks.
+static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 by)
+{
+    PercaleModel *model = stage->model;
+    by = with_w(by, 0.0f);
+    model->predicted[slot] += by;
+    model->next_velocity[slot] += by / stage->dt;
+    for (uint32_t o = 0; stage->obstacles && o < model->obstacle_count; o++) {
+        PercaleProximity *proximity = &stage->proximities[o];
+        proximity->clearance[slot] -= length3(by);
+        proximity->side[slot] = 0;
+        proximity->nearest[slot] = NO_TRIANGLE;
+    }
+}
+
+/// The projection of MATH.md, section 1.
+static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil)
+{
+    const f32x4 *x = stage->model->predicted;
+    f32x4 offset = {0};
+    float weight = 0.0f;
+    for (int k = 1; k < 4; k++) {
+        offset += (x[stencil->points[k]] - x[stencil->points[0]]) * stencil->weights[k];
+    }
+    for (int k = 0; k < 4; k++) {
+        weight += x[stencil->points[k]][3] * stencil->weights[k] * stencil->weights[k];
+    }
+    float depth = stencil->normal[3] - dot3(stencil->normal, offset);
+    if (!(depth > 0.0f) || !(weight > 0.0f)) {
+        return;
+    }
+    for (int k = 0; k < 4; k++) {
+        float share = x[stencil->points[k]][3] * stencil->weights[k];
+        if (share != 0.0f) {
+            move_point(stage, stencil->points[k], stencil->normal * (share * depth / weight));
+        }
+    }
+}
+
+/// Those that still pass go less far; at last they stay.
+static void hold_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil, float share)
+{
+    const PercaleModel *model = stage->model;
+    for (int k = 0; k < 4; k++) {
+        uint32_t point = stencil->points[k];
+        if (model->predicted[point][3] > 0.0f) {
+            f32x4 way = model->predicted[point] - model->position[point];
+            move_point(stage, point, way * (share - 1.0f));
+        }
+    }
+}
+
+bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
+{
+    *counts = (PercalePairGuardCounts){0};
+    for (int round = 0; round < ROUNDS; round++) {
+        if (!find_passages(stage, counts)) {
+            return false;
+        }
+        const PercaleStencilList *passing = stage->passing;
+        if (passing->count == 0) {
+            return true;
+        }
+        counts->pushed += passing->count;
+        for (size_t i = 0; i < passing->count; i++) { // few, and in a fixed order
+            if (round < PUSHES) {
+                push_back(stage, &passing->items[i]);
+            } else {
+                hold_back(stage, &passing->items[i], round < PUSHES + HALVES ? 0.5f : 0.0f);
+            }
+        }
+    }
+    if (!find_passages(stage, counts)) {
+        return false;
+    }
+    counts->left = stage->passing->count;
+    return true;
+}

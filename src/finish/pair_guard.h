@@ -1,0 +1,40 @@
+// pair_guard.h: cloth stays free of crossings: after the last sweep no vertex has gone through a face of the
+// cloth, and no edge through an edge, or it is counted.
+//
+//   in   the substep's start, final predicted positions, new velocities, candidates
+//   out  both corrected, candidates that cover all ways
+//
+// Whoever has passed is pushed back to the side it came from, by the same stencil that contact uses, so
+// momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, all that
+// still pass go only half their ways, then not at all: a start without crossings is an end without (so do the
+// fail-safes of Harmon 2008, for small groups). Obstacles and pins can't be held back: what they force
+// through is counted.
+
+#ifndef PERCALE_PAIR_GUARD_H
+#define PERCALE_PAIR_GUARD_H
+
+#include "detect/candidates.h"
+#include "detect/proximity.h"
+
+typedef struct PercalePairGuardStage {
+    PercaleModel *model; // predicted and next_velocity are corrected in place
+    PercaleCandidates *candidates;
+    PercaleProximity *proximities; // [obstacle_count] whose clearances what moves here is taken from
+    bool obstacles;                // proximities are in use
+    float dt;                      // s
+    PercaleCollectors *collectors;
+    PercaleStencilList *passing; // scratch
+    PercaleMemory *memory;
+    PercaleTeam *team;
+} PercalePairGuardStage;
+
+typedef struct PercalePairGuardCounts {
+    uint64_t candidates; // pairs looked at
+    uint64_t pushed;     // passages found
+    uint64_t left;       // passages that remain
+} PercalePairGuardCounts;
+
+/// False without memory.
+bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts);
+
+#endif
