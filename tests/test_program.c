@@ -220,44 +220,74 @@ static void expect_no_shared_slot(const Constraints *constraints)
     free(last_run);
 }
 
-/// The number of tiles that a constraint names, 1 or more.
-static uint32_t tiles_named(const Constraints *constraints, uint32_t index, uint32_t *first_tile)
+/// The first constraint of a tile; of the one past the last: the first that joins tiles.
+static uint32_t tile_begin(const PercaleBatches *batches, uint32_t tile)
 {
-    uint32_t named = 1;
-    *first_tile = slot_of(constraints, index, 0) / constraints->tile_points;
+    return batches->run_first[batches->tile_first_run[tile]];
+}
+
+static bool is_in_one_tile(const Constraints *constraints, uint32_t index, uint32_t points, uint32_t *tile)
+{
+    bool inside = true;
+    *tile = slot_of(constraints, index, 0) / points;
     for (uint32_t k = 1; k < constraints->arity; k++) {
-        named += slot_of(constraints, index, k) / constraints->tile_points != *first_tile;
+        inside = inside && slot_of(constraints, index, k) / points == *tile;
     }
-    return named;
+    return inside;
+}
+
+static uint32_t tiles_of(const Constraints *constraints, uint32_t points)
+{
+    return constraints->slot_count / points + (constraints->slot_count % points != 0);
+}
+
+/// The number of the smallest tile that holds the constraint: tiles of tile_points, then, while there are
+/// four, of four times as many. The number of all tiles when none holds it.
+static uint32_t tile_wanted(const Constraints *constraints, uint32_t index)
+{
+    uint32_t before = 0;
+    uint32_t points = constraints->tile_points;
+    while (points > 0 && (before == 0 || tiles_of(constraints, points) >= 4)) {
+        uint32_t tile;
+        if (is_in_one_tile(constraints, index, points, &tile)) {
+            return before + tile;
+        }
+        before += tiles_of(constraints, points);
+        points *= 4;
+    }
+    return before;
 }
 
 static void expect_tiles(const Constraints *constraints)
 {
     const PercaleBatches *batches = constraints->batches;
-    uint32_t points = constraints->tile_points;
-    uint32_t tile_count =
-        points == 0 ? 0 : constraints->slot_count / points + (constraints->slot_count % points != 0);
-    ck_assert_uint_eq(batches->tile_count, tile_count);
-    for (uint32_t tile = 0; tile < tile_count; tile++) {
-        uint32_t end = batches->run_first[batches->tile_first_run[tile + 1]];
+    for (uint32_t tile = 0; tile <= batches->tile_count; tile++) {
+        bool last = tile == batches->tile_count; // what joins tiles: all runs that are left
+        uint32_t end_run = last ? batches->run_count : batches->tile_first_run[tile + 1];
+        uint32_t end = batches->run_first[end_run];
         for (uint32_t i = batches->run_first[batches->tile_first_run[tile]]; i < end; i++) {
-            uint32_t named;
-            if (tiles_named(constraints, i, &named) != 1 || named != tile) {
-                ck_abort_msg("constraint %u of tile %u names tile %u", i, tile, named);
+            if (tile_wanted(constraints, i) != tile) {
+                ck_abort_msg("constraint %u of tile %u is in tile %u", i, tile, tile_wanted(constraints, i));
             }
         }
     }
-    uint32_t joining = batches->run_first[batches->tile_first_run[tile_count]];
-    for (uint32_t i = joining; points > 0 && i < batches->count; i++) {
-        uint32_t tile;
-        if (tiles_named(constraints, i, &tile) == 1) {
-            ck_abort_msg("constraint %u is in tile %u alone", i, tile);
-        }
+    if (constraints->tile_points >= constraints->slot_count) {
+        ck_assert_uint_eq(batches->tile_count, 1);
+        ck_assert_uint_eq(batches->run_first[batches->tile_first_run[1]], batches->count);
     }
-    if (points >= constraints->slot_count) {
-        ck_assert_uint_eq(tile_count, 1);
-        ck_assert_uint_eq(joining, batches->count);
+}
+
+/// Levels follow each other, each of whole tiles: a sweep runs them one after the other.
+static void expect_levels(const Constraints *constraints)
+{
+    const PercaleTiling *tiling = &constraints->batches->tiling;
+    ck_assert_uint_eq(tiling->first_tile[0], 0);
+    for (uint32_t level = 0; level < tiling->level_count; level++) {
+        uint32_t count = tiling->first_tile[level + 1] - tiling->first_tile[level];
+        ck_assert_uint_eq(count, tiles_of(constraints, tiling->tile_points[level]));
+        ck_assert(level == 0 || count >= 4);
     }
+    ck_assert_uint_eq(tiling->first_tile[tiling->level_count], constraints->batches->tile_count);
 }
 
 static void expect_laws(const Constraints *constraints)
@@ -265,6 +295,7 @@ static void expect_laws(const Constraints *constraints)
     expect_complete_runs(constraints);
     expect_no_shared_slot(constraints);
     expect_tiles(constraints);
+    expect_levels(constraints);
 }
 
 /// What the model had before it was batched.
@@ -415,6 +446,11 @@ START_TEST(the_scenes_have_welds_pins_tiles_and_more_constraints_than_colours)
     ck_assert_ptr_nonnull(bench.model->edge_compliances);
     batch(&bench, 64);
     ck_assert_uint_lt(bench.edges.tile_first_run[bench.edges.tile_count], bench.edges.run_count);
+    ck_assert_uint_eq(bench.edges.tiling.level_count, 3);
+    for (uint32_t level = 0; level < 3; level++) {
+        ck_assert_uint_lt(tile_begin(&bench.edges, bench.edges.tiling.first_tile[level]),
+                          tile_begin(&bench.edges, bench.edges.tiling.first_tile[level + 1]));
+    }
     close_bench(&bench);
     open_bench(&bench, SHEET);
     ck_assert_uint_eq(bench.model->pinned_count, 3);
@@ -620,12 +656,6 @@ static void project_each(PercaleKernel *kernel, const PercaleSolveArrays *arrays
     for (uint32_t i = begin; i < end; i++) {
         kernel(arrays, i, i + 1);
     }
-}
-
-/// The first constraint of a tile; of the one past the last: the first that joins tiles.
-static uint32_t tile_begin(const PercaleBatches *batches, uint32_t tile)
-{
-    return batches->run_first[batches->tile_first_run[tile]];
 }
 
 static State slowly_swept(const SweepScene *scene)

@@ -2,6 +2,11 @@
 
 #include <string.h>
 
+enum {
+    TILES_JOINED = 4, // by a tile of the next level: along the curve, four squares of a sheet make a square
+    FEWEST_TILES = 4  // of a level after the first: fewer would leave threads idle
+};
+
 /// Columns of a constraint table that are sorted together.
 typedef struct Column {
     void *array;
@@ -21,20 +26,49 @@ static const uint32_t *vertices_at(const Table *table, uint32_t index)
 
 // ---- tiles ----
 
-/// The tile that holds all of the constraint's vertices, tile_count for none.
-static uint32_t tile_of(const Table *table, uint32_t index, uint32_t tile_points, uint32_t tile_count)
+static uint32_t tiles_of(uint32_t slot_count, uint64_t points)
 {
-    if (tile_count == 0) {
-        return 0;
+    return points > 0 ? (uint32_t)((slot_count + points - 1) / points) : 0;
+}
+
+static PercaleTiling tiling_of(uint32_t slot_count, uint32_t tile_points)
+{
+    PercaleTiling tiling = {0};
+    uint64_t points = tile_points;
+    uint32_t fewest = 1;
+    uint32_t count = tiles_of(slot_count, points);
+    while (count >= fewest) {
+        uint32_t level = tiling.level_count++;
+        tiling.tile_points[level] = (uint32_t)points;
+        tiling.first_tile[level + 1] = tiling.first_tile[level] + count;
+        points *= TILES_JOINED;
+        count = tiles_of(slot_count, points);
+        fewest = FEWEST_TILES;
     }
+    return tiling;
+}
+
+static bool is_in_tile(const Table *table, uint32_t index, uint32_t tile_points, uint32_t tile)
+{
     const uint32_t *vertices = vertices_at(table, index);
-    uint32_t tile = vertices[0] / tile_points;
-    for (uint32_t k = 1; k < table->arity; k++) {
-        if (vertices[k] / tile_points != tile) {
-            return tile_count;
+    bool is_inside = true;
+    for (uint32_t k = 0; k < table->arity; k++) {
+        is_inside = is_inside && vertices[k] / tile_points == tile;
+    }
+    return is_inside;
+}
+
+/// The smallest tile that holds all of the constraint's vertices, the number of all tiles for none.
+static uint32_t tile_of(const Table *table, uint32_t index, const PercaleTiling *tiling)
+{
+    for (uint32_t level = 0; level < tiling->level_count; level++) {
+        uint32_t points = tiling->tile_points[level];
+        uint32_t tile = vertices_at(table, index)[0] / points;
+        if (is_in_tile(table, index, points, tile)) {
+            return tiling->first_tile[level] + tile;
         }
     }
-    return tile;
+    return tiling->first_tile[tiling->level_count];
 }
 
 /// array[i] = old array[order[i]]; scratch has room for the array.
@@ -56,18 +90,19 @@ static void permute_all(const Table *table, void *scratch, const uint32_t *order
 }
 
 /// Sorts the table by tile, stably; tile_first gets the first constraint of each, [tile_count + 2].
-static void sort_by_tile(const Table *table, uint32_t tile_points, uint32_t tile_count, uint32_t *tile_first,
+static void sort_by_tile(const Table *table, const PercaleTiling *tiling, uint32_t *tile_first,
                          uint32_t *order)
 {
+    uint32_t tile_count = tiling->first_tile[tiling->level_count];
     memset(tile_first, 0, (tile_count + 2) * sizeof(tile_first[0]));
     for (uint32_t i = 0; i < table->count; i++) {
-        tile_first[tile_of(table, i, tile_points, tile_count) + 1]++;
+        tile_first[tile_of(table, i, tiling) + 1]++;
     }
     for (uint32_t t = 0; t <= tile_count; t++) {
         tile_first[t + 1] += tile_first[t];
     }
     for (uint32_t i = 0; i < table->count; i++) {
-        order[tile_first[tile_of(table, i, tile_points, tile_count)]++] = i;
+        order[tile_first[tile_of(table, i, tiling)]++] = i;
     }
     for (uint32_t t = tile_count + 1; t > 0; t--) {
         tile_first[t] = tile_first[t - 1];
@@ -107,6 +142,7 @@ static bool add_runs(PercaleBatches *batches, PercaleMemory *memory, const Perca
 static void begin_batches(PercaleBatches *batches, uint32_t count)
 {
     batches->count = count;
+    batches->tiling = (PercaleTiling){0};
     batches->tile_count = 0;
     batches->run_count = 0;
     batches->color_count = 0;
@@ -156,7 +192,8 @@ static bool batch_table(const Table *table, const PercaleModel *model, uint32_t 
     for (int c = 0; c < table->column_count; c++) {
         widest = table->columns[c].element_size > widest ? table->columns[c].element_size : widest;
     }
-    uint32_t tile_count = tile_points == 0 ? 0 : (model->slot_count + tile_points - 1) / tile_points;
+    PercaleTiling tiling = tiling_of(model->slot_count, tile_points);
+    uint32_t tile_count = tiling.first_tile[tiling.level_count];
     uint32_t *order = percale_memory_new(memory, table->count, sizeof(uint32_t));
     uint32_t *tile_first = percale_memory_new(memory, (size_t)tile_count + 2, sizeof(uint32_t));
     void *scratch = percale_memory_new(memory, table->count, widest);
@@ -165,7 +202,7 @@ static bool batch_table(const Table *table, const PercaleModel *model, uint32_t 
                     percale_memory_reserve(memory, &batches->tile_first_run, &batches->tile_capacity,
                                            (size_t)tile_count + 1, sizeof(uint32_t));
     if (complete) {
-        sort_by_tile(table, tile_points, tile_count, tile_first, order);
+        sort_by_tile(table, &tiling, tile_first, order);
         permute_all(table, scratch, order);
     }
     for (uint32_t t = 0; complete && t <= tile_count; t++) {
@@ -174,6 +211,7 @@ static bool batch_table(const Table *table, const PercaleModel *model, uint32_t 
             color_group(table, tile_first[t], tile_first[t + 1], model, coloring, memory, batches, order);
     }
     if (complete && end_batches(batches, memory)) {
+        batches->tiling = tiling;
         batches->tile_count = tile_count;
         permute_all(table, scratch, order);
         hold_offsets(table);

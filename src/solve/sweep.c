@@ -98,13 +98,16 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
     Kind tethers = {arrays, NULL, percale_solve_tether, GRAIN_TETHERS};
     Kind seams = {arrays, NULL, percale_solve_seam, UINT32_MAX}; // one chunk: they may share vertices
     Tiles tiles = {&hinges, &edges};
-    size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count + 3;
+    size_t most = (size_t)plan->hinges->run_count + plan->edges->run_count + plan->contacts->run_count +
+                  TILE_LEVELS_MAX + 2;
     Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0};
     if (program.phases == NULL) {
         return false;
     }
-    uint32_t tile_count = plan->edges->count > 0 ? plan->edges->tile_count : plan->hinges->tile_count;
-    add_phase(&program, run_tiles, &tiles, 0, tile_count, 1);
+    const PercaleTiling *tiling = plan->edges->count > 0 ? &plan->edges->tiling : &plan->hinges->tiling;
+    for (uint32_t level = 0; level < tiling->level_count; level++) {
+        add_phase(&program, run_tiles, &tiles, tiling->first_tile[level], tiling->first_tile[level + 1], 1);
+    }
     add_runs(&program, &hinges);
     add_runs(&program, &edges);
     uint32_t tethered = arrays->model->tether_layers > 0 ? arrays->model->slot_count : 0;

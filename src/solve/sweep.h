@@ -3,8 +3,9 @@
 //   in   solve arrays, batches of each kind
 //   out  predicted positions
 //
-// A sweep takes the tiles side by side, in each bending and then stretch, colour after colour; then what
-// joins them; tethers; open seams; contacts. Internal constraints come first and contacts last, so that they
+// A sweep takes the tiles side by side, in each bending and then stretch, colour after colour; so the tiles
+// of each further level, which hold what joins smaller ones; then what joins the last level's; tethers; open
+// seams; contacts. Internal constraints come first and contacts last, so that they
 // win. Whatever the program looks like (tiles, colours over the whole cloth, short runs on one thread), it is
 // a list of phases.
 

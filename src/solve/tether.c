@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+enum { ALL_SLOTS = (1 << WIDE) - 1 };
+
 /// Eight slots from `slot` on, by component; of a short block the first is repeated. Lane order: 0 .. 7.
 typedef struct Block {
     WidePoints x;
@@ -71,16 +73,18 @@ static inline uint32_t project(const PercaleSolveArrays *arrays, Block *block, c
     return moved;
 }
 
-/// Pins are not even written: other threads read them.
-static inline void store_moved(f32x4 *x, const Block *block, uint32_t moved)
+/// Pins are not even written: other threads read them. All others are, moved or not: eight stores cost less
+/// than a branch for each slot, which depends on the folds of the cloth.
+static inline void store_movable(f32x4 *x, const Block *block)
 {
     f32x8 pairs[4];
     transpose_points(&block->x, block->movable, pairs);
+    uint32_t written = lane_bits(greater8(block->movable, all8(0.0f))) & ((1u << block->count) - 1);
     for (uint32_t k = 0; k < 4; k++) {
-        if ((moved >> k & 1) != 0) {
+        if (written == ALL_SLOTS || (written >> k & 1) != 0) {
             x[k] = low_point(pairs[k]);
         }
-        if ((moved >> (k + 4) & 1) != 0) {
+        if (written == ALL_SLOTS || (written >> (k + 4) & 1) != 0) {
             x[k + 4] = high_point(pairs[k]);
         }
     }
@@ -102,9 +106,8 @@ __attribute__((always_inline)) static inline void project_layers(const PercaleSo
         size_t first = (size_t)layer * model->slot_count;
         moved |= project(arrays, &block, model->tether_anchors + first, model->tether_lengths + first);
     }
-    moved &= (1u << count) - 1;
     if (moved != 0) {
-        store_moved(arrays->x + slot, &block, moved);
+        store_movable(arrays->x + slot, &block);
     }
 }
 
