@@ -283,7 +283,7 @@ START_TEST(pairs_are_those_of_all_pairs)
     PercaleModel *model = &solver->model;
     f32x4 *flat = malloc(model->slot_count * sizeof(f32x4));
     memcpy(flat, model->position, model->slot_count * sizeof(f32x4));
-    double reach = 2.0 * (double)model->cloths[0].thickness;
+    double reach = (double)(CONTACT_REACH * model->cloths[0].thickness);
     uint64_t seed = 7;
     uint64_t total = 0;
     for (int round = 0; round < ROUNDS; round++) {

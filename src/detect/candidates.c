@@ -9,21 +9,24 @@
 // less makes them anew more often.
 static const float MARGIN = 0.25f;
 
+// Of the sum of some coordinates, what a few operations of float32 round away.
+static const float ROUNDED = 1e-6f;
+
 enum {
     BLOCK_SLOTS = 64,  // at least: where it bends, a larger block deviates more from its mean
     BLOCKS_MOST = 512, // all are compared with each other
 };
 
-/// What a block has moved since the reference.
+/// What a block has moved since the reference, at the start of a way and at its end.
 struct PercaleBlock {
-    f32x4 low, high; // box of its ways
-    f32x4 mean;      // m
-    float deviation; // m, from the mean, at most
+    f32x4 low, high;    // box of its ways, with all edges and triangles that have one of its points
+    f32x4 mean[2];      // m
+    float deviation[2]; // m, from the mean, at most
 };
 
 float percale_widest_reach(const PercaleModel *model, float thickness)
 {
-    return 1.001f * (thickness + thickest_cloth(model)); // twice the mean
+    return 1.001f * 0.5f * CONTACT_REACH * (thickness + thickest_cloth(model));
 }
 
 // ---- create ----
@@ -37,6 +40,48 @@ static float mean_edge(const PercaleModel *model)
     return model->edge_count > 0 ? (float)(sum / (double)model->edge_count) : 0.0f;
 }
 
+/// Slots of other blocks at the other ends of edges. Once to count, once to fill.
+static uint32_t list_halo(PercaleCandidates *candidates, uint32_t *cursor, uint32_t *halo)
+{
+    const PercaleEdges *edges = &candidates->model->cloth.edges;
+    uint32_t count = 0;
+    for (uint32_t e = 0; e < edges->edge_count; e++) {
+        uint32_t blocks[2] = {edges->vertices[e][0] / candidates->block_size,
+                              edges->vertices[e][1] / candidates->block_size};
+        for (int end = 0; blocks[0] != blocks[1] && end < 2; end++) {
+            uint32_t at = cursor[blocks[end]]++;
+            if (halo != NULL) {
+                halo[at] = edges->vertices[e][1 - end];
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+static bool find_halo(PercaleCandidates *candidates, PercaleMemory *memory)
+{
+    candidates->halo_first =
+        percale_memory_new(memory, (size_t)candidates->cloth_blocks + 2, sizeof(uint32_t));
+    if (candidates->halo_first == NULL) {
+        return false;
+    }
+    uint32_t *cursor = candidates->halo_first + 1;
+    uint32_t count = list_halo(candidates, cursor, NULL);
+    uint32_t before = 0;
+    for (uint32_t b = 0; b <= candidates->cloth_blocks; b++) {
+        uint32_t here = cursor[b];
+        cursor[b] = before;
+        before += here;
+    }
+    candidates->halo = percale_memory_new(memory, count, sizeof(uint32_t));
+    if (candidates->halo == NULL) {
+        return false;
+    }
+    (void)list_halo(candidates, cursor, candidates->halo);
+    return true;
+}
+
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
                                bool edges, bool obstacles, PercaleMemory *memory)
 {
@@ -46,13 +91,16 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
     candidates->margin = MARGIN * mean_edge(model);
     candidates->list_count = 2 * mesh_count;
     candidates->block_size = size > BLOCK_SLOTS ? size : BLOCK_SLOTS;
-    candidates->block_count =
-        (model->slot_count + candidates->block_size - 1) / candidates->block_size + model->obstacle_count;
+    candidates->cloth_blocks = (model->slot_count + candidates->block_size - 1) / candidates->block_size;
+    uint32_t block_count = candidates->cloth_blocks + model->obstacle_count;
     candidates->lists = percale_memory_new(memory, candidates->list_count, sizeof(candidates->lists[0]));
     candidates->reference = percale_memory_new(memory, model->point_count, sizeof(f32x4));
-    candidates->blocks = percale_memory_new(memory, candidates->block_count, sizeof(candidates->blocks[0]));
+    candidates->blocks = percale_memory_new(memory, block_count, sizeof(candidates->blocks[0]));
+    candidates->moved =
+        percale_memory_new(memory, (size_t)mesh_count * candidates->cloth_blocks, sizeof(float));
     bool complete = candidates->lists != NULL && candidates->reference != NULL &&
-                    candidates->blocks != NULL &&
+                    candidates->blocks != NULL && candidates->moved != NULL &&
+                    find_halo(candidates, memory) &&
                     percale_tree_build(&candidates->faces, model->cloth.triangles, 3,
                                        model->cloth.triangle_count, model->position, memory) &&
                     (!edges || percale_tree_build(&candidates->edges, model->cloth.edges.vertices[0], 2,
@@ -71,6 +119,9 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->reference);
     percale_memory_free(memory, candidates->blocks);
+    percale_memory_free(memory, candidates->moved);
+    percale_memory_free(memory, candidates->halo_first);
+    percale_memory_free(memory, candidates->halo);
     percale_tree_free(&candidates->faces, memory);
     percale_tree_free(&candidates->edges, memory);
     *candidates = (PercaleCandidates){0};
@@ -81,19 +132,17 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
 /// What the chunks of a check share.
 typedef struct Check {
     PercaleCandidates *candidates;
-    const f32x4 *from, *to;
-    uint32_t cloth_blocks;
+    const f32x4 *places[2]; // start and end of the ways
     float slack;
     ReducedUint spent; // the first block that has moved too far against another
 } Check;
 
 /// Points of a block: of the cloth, or all of an obstacle.
-static void block_points(const Check *check, uint32_t block, uint32_t range[2])
+static void block_points(const PercaleCandidates *candidates, uint32_t block, uint32_t range[2])
 {
-    const PercaleCandidates *candidates = check->candidates;
     const PercaleModel *model = candidates->model;
-    if (block >= check->cloth_blocks) {
-        const PercaleModelSurface *obstacle = &model->obstacles[block - check->cloth_blocks];
+    if (block >= candidates->cloth_blocks) {
+        const PercaleModelSurface *obstacle = &model->obstacles[block - candidates->cloth_blocks];
         range[0] = obstacle->first_point;
         range[1] = obstacle->first_point + obstacle->vertex_count;
         return;
@@ -103,50 +152,91 @@ static void block_points(const Check *check, uint32_t block, uint32_t range[2])
     range[1] = range[1] < model->slot_count ? range[1] : model->slot_count;
 }
 
+static void measure_motion(struct PercaleBlock *block, const f32x4 *x, const f32x4 *reference,
+                           const uint32_t range[2], int place)
+{
+    f32x4 sum = {0};
+    for (uint32_t i = range[0]; i < range[1]; i++) {
+        sum += x[i] - reference[i];
+        block->low = min4(block->low, x[i]);
+        block->high = max4(block->high, x[i]);
+    }
+    block->mean[place] = sum / (float)(range[1] - range[0]);
+    for (uint32_t i = range[0]; i < range[1]; i++) {
+        block->deviation[place] =
+            fmaxf(block->deviation[place], length3(x[i] - reference[i] - block->mean[place]));
+    }
+}
+
 static void measure_blocks(void *context, uint32_t first, uint32_t end)
 {
     const Check *check = context;
-    const f32x4 *reference = check->candidates->reference;
+    const PercaleCandidates *candidates = check->candidates;
     for (uint32_t b = first; b < end; b++) {
         uint32_t range[2];
-        block_points(check, b, range);
-        struct PercaleBlock block = {check->to[range[0]], check->to[range[0]], {0}, 0.0f};
-        f32x4 sum = {0};
-        for (uint32_t i = range[0]; i < range[1]; i++) {
-            sum += check->to[i] - reference[i];
-            block.low = min4(block.low, min4(check->from[i], check->to[i]));
-            block.high = max4(block.high, max4(check->from[i], check->to[i]));
+        block_points(candidates, b, range);
+        f32x4 at = check->places[0][range[0]];
+        struct PercaleBlock block = {.low = at, .high = at};
+        for (int i = 0; i < 2; i++) {
+            const f32x4 *x = check->places[i];
+            measure_motion(&block, x, candidates->reference, range, i);
+            for (uint32_t h = b < candidates->cloth_blocks ? candidates->halo_first[b] : 0;
+                 b < candidates->cloth_blocks && h < candidates->halo_first[b + 1]; h++) {
+                block.low = min4(block.low, x[candidates->halo[h]]);
+                block.high = max4(block.high, x[candidates->halo[h]]);
+            }
         }
-        block.mean = sum / (float)(range[1] - range[0]);
-        for (uint32_t i = range[0]; i < range[1]; i++) {
-            block.deviation = fmaxf(block.deviation, length3(check->to[i] - reference[i] - block.mean));
-        }
-        check->candidates->blocks[b] = block;
+        candidates->blocks[b] = block;
     }
+}
+
+/// How far two points of the blocks have moved against each other, at most; 0 when they are far apart.
+static float moved_against(const struct PercaleBlock *a, const struct PercaleBlock *b, float reach)
+{
+    f32x4 apart = max4(a->low - b->high, b->low - a->high);
+    if (apart[0] > reach || apart[1] > reach || apart[2] > reach) {
+        return 0.0f;
+    }
+    float moved[2];
+    for (int i = 0; i < 2; i++) {
+        moved[i] = length3(a->mean[i] - b->mean[i]) + a->deviation[i] + b->deviation[i];
+    }
+    float rounded = 0.0f;
+    for (int axis = 0; axis < 3; axis++) {
+        rounded += ROUNDED * (fabsf(a->low[axis]) + fabsf(a->high[axis]));
+    }
+    return fmaxf(moved[0], moved[1]) + rounded;
+}
+
+static float widest_reach_of_all(const PercaleModel *model)
+{
+    float thickest = thickest_cloth(model);
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        thickest = fmaxf(thickest, model->obstacles[o].thickness);
+    }
+    return percale_widest_reach(model, thickest);
 }
 
 static void compare_blocks(void *context, uint32_t first, uint32_t end)
 {
     Check *check = context;
-    const PercaleCandidates *candidates = check->candidates;
+    PercaleCandidates *candidates = check->candidates;
     const struct PercaleBlock *blocks = candidates->blocks;
-    float reach = percale_widest_reach(candidates->model, thickest_cloth(candidates->model));
-    const f32x4 wider = {reach, reach, reach, 0.0f};
+    uint32_t cloth_blocks = candidates->cloth_blocks;
+    float reach = widest_reach_of_all(candidates->model);
     for (uint32_t a = first; a < end; a++) {
-        f32x4 low = blocks[a].low - wider;
-        f32x4 high = blocks[a].high + wider;
-        uint32_t b = candidates->cloth ? a : check->cloth_blocks;
-        uint32_t last = candidates->obstacles ? candidates->block_count : check->cloth_blocks;
-        for (; b < last; b++) {
-            f32x4 apart = max4(low - blocks[b].high, blocks[b].low - high);
-            if (apart[0] > 0.0f || apart[1] > 0.0f || apart[2] > 0.0f) {
-                continue;
-            }
-            float moved = length3(blocks[a].mean - blocks[b].mean);
-            if (!(blocks[a].deviation + blocks[b].deviation + moved <= check->slack)) {
-                reduce_min(&check->spent, a);
-                return;
-            }
+        float most = 0.0f;
+        for (uint32_t b = 0; candidates->cloth && b < cloth_blocks; b++) {
+            most = fmaxf(most, moved_against(&blocks[a], &blocks[b], reach));
+        }
+        candidates->moved[a] = most;
+        for (uint32_t o = 0; candidates->obstacles && o < candidates->model->obstacle_count; o++) {
+            float moved = moved_against(&blocks[a], &blocks[cloth_blocks + o], reach);
+            candidates->moved[(1 + o) * cloth_blocks + a] = moved;
+            most = fmaxf(most, moved);
+        }
+        if (!(most <= check->slack)) {
+            reduce_min(&check->spent, a);
         }
     }
 }
@@ -158,12 +248,49 @@ bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, c
     if (!candidates->known) {
         return false;
     }
-    uint32_t cloth_blocks = candidates->block_count - candidates->model->obstacle_count;
-    Check check = {candidates, from, to, cloth_blocks, slack, UINT32_MAX};
-    PercalePhase phases[2] = {{measure_blocks, &check, 0, candidates->block_count, GRAIN_BLOCKS},
-                              {compare_blocks, &check, 0, cloth_blocks, GRAIN_BLOCKS}};
+    Check check = {candidates, {from, to}, slack, UINT32_MAX};
+    uint32_t block_count = candidates->cloth_blocks + candidates->model->obstacle_count;
+    PercalePhase phases[2] = {{measure_blocks, &check, 0, block_count, GRAIN_BLOCKS},
+                              {compare_blocks, &check, 0, candidates->cloth_blocks, GRAIN_BLOCKS}};
     percale_team_run(team, phases, 2);
     return check.spent == UINT32_MAX;
+}
+
+/// How far what the pair's points in the cloth may touch has moved against them.
+static float pair_moved(const PercaleCandidates *candidates, uint32_t list, PercaleItemPair pair)
+{
+    const PercaleModelSurface *cloth = &candidates->model->cloth;
+    uint32_t arity = list % 2 == 1 ? 2 : 3;
+    const uint32_t *primitives = arity == 2 ? cloth->edges.vertices[0] : cloth->triangles;
+    const uint32_t *points = primitives + (size_t)arity * pair.primitive;
+    if (list < 2) { // of the cloth: its item's points
+        arity = arity == 2 ? 2 : 1;
+        points = arity == 2 ? cloth->edges.vertices[pair.item] : &pair.item;
+    }
+    const float *moved = candidates->moved + (size_t)(list / 2) * candidates->cloth_blocks;
+    float most = 0.0f;
+    for (uint32_t k = 0; k < arity; k++) {
+        most = fmaxf(most, moved[points[k] / candidates->block_size]);
+    }
+    return most;
+}
+
+bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
+                               float reach, PercaleCollector *collector)
+{
+    const PercaleItemPair *pairs = candidates->lists[list].pairs.items;
+    PercaleItemPairList *touched = &collector->touched;
+    touched->count = 0;
+    if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, run.end - run.first,
+                                sizeof(pairs[0]))) {
+        return false;
+    }
+    for (size_t i = run.first; i < run.end; i++) {
+        if (pairs[i].distance <= reach + pair_moved(candidates, list, pairs[i])) {
+            touched->items[touched->count++] = pairs[i];
+        }
+    }
+    return true;
 }
 
 // ---- find ----
@@ -248,7 +375,7 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
         for (; bits != 0; bits &= bits - 1) {
             uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
             if (primitive >= first) {
-                touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive};
+                touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive, 0.0f};
             }
         }
     }
@@ -268,7 +395,8 @@ static void keep_neighbors(PercaleCollector *collector, uint32_t item)
         found->items[at] = neighbor;
     }
     for (size_t i = 0; i < found->count; i++) {
-        percale_collect_pair(collector, (PercaleItemPair){item, found->items[i].index});
+        percale_collect_pair(collector,
+                             (PercaleItemPair){item, found->items[i].index, found->items[i].distance});
     }
 }
 
@@ -336,6 +464,7 @@ bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *
     if (complete) {
         memcpy(candidates->reference, reference, candidates->model->point_count * sizeof(f32x4));
         candidates->known = true;
+        (void)percale_candidates_hold(candidates, places[0], places[1], INFINITY, team);
     }
     return complete;
 }
@@ -389,5 +518,5 @@ float percale_candidates_least_reach(const PercaleCandidates *candidates)
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
         obstacle = fminf(obstacle, model->obstacles[o].thickness);
     }
-    return cloth + fminf(cloth, obstacle);
+    return 0.5f * CONTACT_REACH * (cloth + fminf(cloth, obstacle));
 }

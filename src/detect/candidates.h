@@ -7,15 +7,17 @@
 // farther apart than that can't touch as long as the difference of what they have moved is smaller. Slots are
 // cut into blocks: a block's motion is its mean and the greatest deviation from it, so what all fall together
 // costs nothing. Blocks are compared where they are near each other now, whether they were then or not.
-//
-// The lists are the same whenever they are made: a pair in a list that is not near is seen as that by
-// percale_neighbors_find.
+// The same bounds, block by block, tell which pairs of a list can't be near at the moment.
 
 #ifndef PERCALE_CANDIDATES_H
 #define PERCALE_CANDIDATES_H
 
 #include "detect/collect.h"
 #include "model/model.h"
+
+// Thicknesses within which two features get a stencil: half of one is for what the solver moves them in a
+// substep.
+static const float CONTACT_REACH = 1.5f;
 
 /// The pairs of one kind of item, by item.
 typedef struct PercaleCandidateList {
@@ -33,8 +35,12 @@ typedef struct PercaleCandidates {
     f32x4 *reference;            // [point_count] where all points were
     bool known;                  // the lists hold pairs of `reference`
     uint32_t block_size;         // slots
-    struct PercaleBlock *blocks; // [blocks of slots, then one for each obstacle]
-    uint32_t block_count;
+    struct PercaleBlock *blocks; // [cloth_blocks, then one for each obstacle]
+    uint32_t cloth_blocks;
+    uint32_t *halo_first; // [cloth_blocks + 1] into halo
+    uint32_t *halo;       // slots of other blocks that have an edge with one of the block
+    float *moved;         // [(1 + obstacle_count) * cloth_blocks] how far what is near the block, cloth or an
+                          // obstacle, has moved against it since the reference, at most, m
 } PercaleCandidates;
 
 /// False without memory.
@@ -69,6 +75,11 @@ typedef struct PercaleCandidateRun {
 
 /// The run that begins at `first` or next after it; first is the list's count when there is none.
 PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first);
+
+/// Those pairs of a run that can be within `reach` of each other now, as the collector's `touched`. False
+/// without memory.
+bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
+                               float reach, PercaleCollector *collector);
 
 /// An item of a list, as a query; `edge`: else a vertex.
 PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleModelSurface *mesh, bool edge,

@@ -198,9 +198,14 @@ static Distances measure_eight(const PercaleNeighborhood *hood, const PercaleQue
     return (Distances){(1.0f - DISTANCE_SLACK) * sqrt8(distance2), ~(i32x8){0}};
 }
 
-/// Which of eight primitives are within reach, and which may have been passed.
+/// Of eight primitives: how far they are, which are within reach, and which may have been passed.
+typedef struct Asked {
+    float distance[EIGHT];
+    uint32_t near, passing; // a bit for each
+} Asked;
+
 static void ask_eight(const PercaleNeighborhood *hood, const PercaleQuery *query, const Eight *eight,
-                      uint32_t *near, uint32_t *passing)
+                      Asked *asked)
 {
     WidePoints corners[3];
     for (uint32_t corner = 0; corner < hood->arity; corner++) {
@@ -208,10 +213,11 @@ static void ask_eight(const PercaleNeighborhood *hood, const PercaleQuery *query
     }
     Distances distances = measure_eight(hood, query, corners);
     i32x8 within = at_most8(distances.distance, all8(query->reach));
-    *near = lane_bits(hood->ends_too ? within : within & distances.inside);
+    asked->near = lane_bits(hood->ends_too ? within : within & distances.inside);
     f32x8 moved;
     i32x8 touching = ways_touch(hood, eight, query, corners, &moved);
-    *passing = lane_bits(touching & at_most8(distances.distance, moved));
+    store8(asked->distance, distances.distance);
+    asked->passing = lane_bits(touching & at_most8(distances.distance, moved));
 }
 
 bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *query,
@@ -233,13 +239,13 @@ bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery 
         if (bits == 0) {
             continue;
         }
-        uint32_t near;
-        uint32_t passing;
-        ask_eight(hood, query, &eight, &near, &passing);
-        bits &= hood->all_near ? 0xff : near | passing;
+        Asked asked;
+        ask_eight(hood, query, &eight, &asked);
+        bits &= hood->all_near ? 0xff : asked.near | asked.passing;
         for (; bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
-            list->items[list->count++] = (PercaleNeighbor){numbers[k], (passing >> k & 1) != 0};
+            list->items[list->count++] =
+                (PercaleNeighbor){numbers[k], asked.distance[k], (asked.passing >> k & 1) != 0};
         }
     }
     return true;

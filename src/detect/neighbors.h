@@ -14,7 +14,8 @@
 /// A primitive that a query may touch.
 typedef struct PercaleNeighbor {
     uint32_t index;
-    bool may_pass; // the ways touch: one may have gone through the other
+    float distance; // m, at the end; at most this near
+    bool may_pass;  // the ways touch: one may have gone through the other
 } PercaleNeighbor;
 
 typedef struct PercaleNeighborList {
@@ -25,6 +26,7 @@ typedef struct PercaleNeighborList {
 /// An item (a vertex or an edge) and a primitive that it may come to touch.
 typedef struct PercaleItemPair {
     uint32_t item, primitive;
+    float distance; // m, when they were found
 } PercaleItemPair;
 
 typedef struct PercaleItemPairList {

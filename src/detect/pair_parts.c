@@ -5,7 +5,7 @@
 double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const uint32_t points[4],
                           const double weights[4])
 {
-    double reach = 2.0 * (double)keep->thickness;
+    double reach = (double)(CONTACT_REACH * keep->thickness);
     if (stage->later_substeps > 0.0f) {
         Vec3 moved = vsub(combine(stage, points, weights, false), combine(stage, points, weights, true));
         reach += (double)stage->later_substeps * vlength(moved);

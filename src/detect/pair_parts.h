@@ -64,7 +64,7 @@ static inline Vec3 combine(const PercalePairStage *stage, const uint32_t points[
 
 // ---- what is looked for ----
 
-/// Distance at which a pair gets a stencil, m: its thickness, as much again for what the solver moves it, and
+/// Distance at which a pair gets a stencil, m: its thickness, half as much for what the solver moves it, and
 /// what it moves until the next pass.
 double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const uint32_t points[4],
                           const double weights[4]);

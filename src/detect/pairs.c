@@ -9,6 +9,7 @@
 typedef struct Kind {
     const PercalePairStage *stage;
     const PercaleCandidateList *list;
+    uint32_t number; // of the list
     PercaleNeighborhood hood;
 } Kind;
 
@@ -37,9 +38,12 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
         PercaleQuery query =
             percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
         collector->neighbors.count = 0;
-        collector->candidates += run.end - run.first;
-        if (!percale_neighbors_find(&kind->hood, &query, kind->list->pairs.items + run.first,
-                                    run.end - run.first, &collector->memory, &collector->neighbors)) {
+        bool complete =
+            percale_candidates_select(kind->stage->candidates, kind->number, run, query.reach, collector) &&
+            percale_neighbors_find(&kind->hood, &query, collector->touched.items, collector->touched.count,
+                                   &collector->memory, &collector->neighbors);
+        collector->candidates += collector->touched.count;
+        if (!complete) {
             collector->complete = false;
         } else if (collector->neighbors.count > 0) {
             find_item(kind, collector, run.item);
@@ -80,7 +84,7 @@ bool percale_pairs_find(const PercalePairStage *stage, PercaleCollectors *collec
     notes->count = 0;
     bool complete = true;
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {stage, &candidates->lists[i], percale_candidates_hood(candidates, i)};
+        Kind kind = {stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
         kind.hood.all_near = stage->later_substeps > 0.0f;
         size_t before = stencils->count;
         complete =

@@ -9,9 +9,9 @@
 // every pair of features has one stencil (MATH.md, section 7). Two features that share a vertex are no pair;
 // others keep their thickness, or half of the way between them on the rest shape where that is less.
 //
-// Sides. Of a vertex and a face: one bit, that of the start, unless the path goes around the face; a pair that
-// had a stencil at the last pass is known by its note. Of two edges: the normal is carried on from the note,
-// or from where they were. A rim has no memory. Against an obstacle its oriented surface decides.
+// Sides. Of a vertex and a face: one bit, that of the start, unless the path goes around the face; a pair
+// that had a stencil at the last pass is known by its note. Of two edges: the normal is carried on from the
+// note, or from where they were. A rim has no memory. Against an obstacle its oriented surface decides.
 
 #ifndef PERCALE_PAIRS_H
 #define PERCALE_PAIRS_H

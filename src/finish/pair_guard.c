@@ -19,6 +19,7 @@ static const double KEPT = 0.5;
 typedef struct Kind {
     const PercalePairGuardStage *stage;
     const PercaleCandidateList *list;
+    uint32_t number; // of the list
     PercaleNeighborhood hood;
 } Kind;
 
@@ -68,9 +69,12 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
             percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
         query.reach = -1.0f; // only those whose ways touch
         collector->neighbors.count = 0;
-        collector->candidates += run.end - run.first;
-        if (percale_neighbors_find(&kind->hood, &query, kind->list->pairs.items + run.first,
-                                   run.end - run.first, &collector->memory, &collector->neighbors)) {
+        bool complete =
+            percale_candidates_select(kind->stage->candidates, kind->number, run, 0.0f, collector) &&
+            percale_neighbors_find(&kind->hood, &query, collector->touched.items, collector->touched.count,
+                                   &collector->memory, &collector->neighbors);
+        collector->candidates += collector->touched.count;
+        if (complete) {
             find_passing(kind, collector, &query);
         } else {
             collector->complete = false;
@@ -91,7 +95,7 @@ static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCo
     stage->passing->count = 0;
     PercaleCollected to = {.stencils = stage->passing};
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {stage, &candidates->lists[i], percale_candidates_hood(candidates, i)};
+        Kind kind = {stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
         complete = percale_collect(stage->team, kind.list->pairs.count, find_items, &kind, stage->collectors,
                                    stage->memory, &to);
         counts->candidates += stage->collectors->candidates;
