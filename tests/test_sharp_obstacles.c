@@ -36,44 +36,59 @@ static uint32_t vertex_at(PercaleMesh *mesh, const double point[3])
     return mesh->vertex_count++;
 }
 
-/// The vertex `i` parts of `parts` along the triangle's first side and `k` along its second.
-static uint32_t lattice_vertex(PercaleMesh *fine, const PercaleMesh *mesh, const uint32_t *corners,
-                               uint32_t parts, uint32_t i, uint32_t k)
+/// A triangle that is being cut.
+typedef struct Cut {
+    PercaleMesh *fine;
+    const PercaleMesh *mesh;
+    const uint32_t *corners;
+    uint32_t parts;
+} Cut;
+
+/// The vertex `i` parts along the triangle's first side and `k` along its second.
+static uint32_t lattice_vertex(const Cut *cut, uint32_t i, uint32_t k)
 {
-    double b[3] = {(double)(parts - i - k) / parts, (double)i / parts, (double)k / parts};
+    double parts = (double)cut->parts;
+    double b[3] = {(double)(cut->parts - i - k) / parts, (double)i / parts, (double)k / parts};
     double point[3] = {0.0, 0.0, 0.0};
     for (int c = 0; c < 3; c++) {
         for (int axis = 0; axis < 3; axis++) {
-            point[axis] += b[c] * (double)mesh->positions[3 * (size_t)corners[c] + (size_t)axis];
+            point[axis] += b[c] * (double)cut->mesh->positions[3 * (size_t)cut->corners[c] + (size_t)axis];
         }
     }
-    return vertex_at(fine, point);
+    return vertex_at(cut->fine, point);
+}
+
+/// The one or two small triangles at a place of the lattice; returns how many corners were written.
+static size_t cut_cell(const Cut *cut, uint32_t i, uint32_t k, uint32_t *corner)
+{
+    uint32_t right = lattice_vertex(cut, i + 1, k);
+    uint32_t left = lattice_vertex(cut, i, k + 1);
+    corner[0] = lattice_vertex(cut, i, k);
+    corner[1] = right;
+    corner[2] = left;
+    if (i + k + 1 == cut->parts) {
+        return 3;
+    }
+    corner[3] = right;
+    corner[4] = lattice_vertex(cut, i + 1, k + 1);
+    corner[5] = left;
+    return 6;
 }
 
 /// The same surface with every edge cut into `parts`. Frees the old one.
 static void refine(PercaleMesh *mesh, uint32_t parts)
 {
-    uint32_t count = mesh->triangle_count * parts * parts;
-    PercaleMesh fine = *mesh;
-    fine.name = NULL;
-    fine.positions = calloc(9 * (size_t)count, sizeof(float));
-    fine.triangles = calloc(3 * (size_t)count, sizeof(uint32_t));
+    size_t count = (size_t)mesh->triangle_count * parts * parts;
+    PercaleMesh fine = {.triangle_count = (uint32_t)count};
+    fine.positions = calloc(9 * count, sizeof(float));
+    fine.triangles = calloc(3 * count, sizeof(uint32_t));
     ck_assert(fine.positions != NULL && fine.triangles != NULL);
-    fine.vertex_count = 0;
-    fine.triangle_count = count;
     uint32_t *corner = fine.triangles;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        const uint32_t *corners = mesh->triangles + 3 * (size_t)t;
+        Cut cut = {&fine, mesh, mesh->triangles + 3 * (size_t)t, parts};
         for (uint32_t i = 0; i < parts; i++) {
             for (uint32_t k = 0; i + k < parts; k++) {
-                *corner++ = lattice_vertex(&fine, mesh, corners, parts, i, k);
-                *corner++ = lattice_vertex(&fine, mesh, corners, parts, i + 1, k);
-                *corner++ = lattice_vertex(&fine, mesh, corners, parts, i, k + 1);
-                if (i + k + 1 < parts) {
-                    *corner++ = lattice_vertex(&fine, mesh, corners, parts, i + 1, k);
-                    *corner++ = lattice_vertex(&fine, mesh, corners, parts, i + 1, k + 1);
-                    *corner++ = lattice_vertex(&fine, mesh, corners, parts, i, k + 1);
-                }
+                corner += cut_cell(&cut, i, k, corner);
             }
         }
     }
@@ -273,14 +288,14 @@ static PercaleMesh bed_of_nails(uint32_t side, float width)
     bed.vertex_count = NAIL_VERTICES * side * side;
     bed.triangle_count = NAIL_TRIANGLES * side * side;
     for (uint32_t i = 0; i < bed.vertex_count; i++) {
-        uint32_t place = i / NAIL_VERTICES;
+        uint32_t row = i / NAIL_VERTICES / side;
+        uint32_t column = i / NAIL_VERTICES % side;
         const float *from = nail.positions + 3 * (size_t)(i % NAIL_VERTICES);
         float step = width / (float)side;
         float *to = bed.positions + 3 * (size_t)i;
-        to[0] = from[0] + step * ((float)(place % side) + 0.5f) - 0.5f * width;
+        to[0] = from[0] + step * ((float)column + 0.5f) - 0.5f * width;
         to[1] = from[1] - 0.5f * HEIGHT;
-        to[2] = from[2] + step * ((float)(place / side) + 0.5f) -
-                0.5f * width; // NOLINT(bugprone-integer-division)
+        to[2] = from[2] + step * ((float)row + 0.5f) - 0.5f * width;
     }
     for (uint32_t i = 0; i < 3 * bed.triangle_count; i++) {
         bed.triangles[i] =
