@@ -126,63 +126,6 @@ START_TEST(without_self_collision_the_sheets_change_sides)
 }
 END_TEST
 
-/// Linear momentum of the cloth and the sum of m |v|, kg m/s.
-static double momentum_of(PercaleSolver *solver, PercaleCloth cloth, double sum[3])
-{
-    PercaleClothView view;
-    PERCALE_TEST_OK(solver, percale_cloth_view(solver, cloth, &view));
-    double size = 0.0;
-    sum[0] = sum[1] = sum[2] = 0.0;
-    for (uint32_t i = 0; i < view.vertex_count; i++) {
-        uint32_t slot = view.order[i];
-        const float *v = view.velocities + 4 * (size_t)slot;
-        double mass = 1.0 / (double)view.positions[4 * (size_t)slot + 3];
-        double square = 0.0;
-        for (int axis = 0; axis < 3; axis++) {
-            sum[axis] += mass * (double)v[axis];
-            square += (double)v[axis] * (double)v[axis];
-        }
-        size += mass * sqrt(square);
-    }
-    return size;
-}
-
-/// Self contact only exchanges momentum: a sheet thrown together on itself, free, without damping.
-START_TEST(a_sheet_that_crumples_keeps_its_momentum)
-{
-    enum { FRAMES = PERCALE_SANITIZED ? 6 : 40 };
-    PercaleSolverDef def = def_of(20, true);
-    def.gravity[1] = 0.0f;
-    PercaleSolver *solver = percale_test_solver(def);
-    PercaleMesh mesh = percale_test_sheet(40, 0.4f);
-    float *velocities = calloc(3 * (size_t)mesh.vertex_count, sizeof(float));
-    uint64_t seed = 5;
-    for (size_t i = 0; i < mesh.vertex_count; i++) { // inwards, and out of the plane at random
-        velocities[3 * i] = -4.0f * mesh.positions[3 * i];
-        velocities[3 * i + 2] = -4.0f * mesh.positions[3 * i + 2];
-        velocities[3 * i + 1] = (float)(percale_test_random(&seed) - 0.4);
-    }
-    PercaleClothDef cloth_def = percale_test_cloth_def(&mesh);
-    cloth_def.velocities = velocities;
-    PercaleCloth cloth;
-    PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth_def, &cloth));
-    double before[3];
-    double after[3];
-    double size = momentum_of(solver, cloth, before);
-    run(solver, FRAMES);
-    (void)momentum_of(solver, cloth, after);
-    ck_assert_uint_gt(percale_solver_counters(solver).stencils_ee, 1000);
-    ck_assert_uint_gt(percale_solver_counters(solver).stencils_vf, 1000);
-    for (int axis = 0; axis < 3; axis++) {
-        double drift = fabs(after[axis] - before[axis]) / size;
-        ck_assert_msg(drift <= 3e-4, "axis %d: %g of the momentum is lost", axis, drift);
-    }
-    free(velocities);
-    percale_solver_destroy(solver);
-    percale_mesh_free(&mesh);
-}
-END_TEST
-
 // ---- coarse cloth on sharp things ----
 
 /// A pyramid with its tip up, narrower than a triangle of the cloth.
@@ -258,7 +201,6 @@ int main(void)
     tcase_set_timeout(contact, 0);
     tcase_add_test(contact, a_sheet_stays_on_the_side_that_it_came_from);
     tcase_add_test(contact, without_self_collision_the_sheets_change_sides);
-    tcase_add_test(contact, a_sheet_that_crumples_keeps_its_momentum);
     tcase_add_test(contact, a_spike_does_not_pierce_a_coarse_cloth);
     tcase_add_test(contact, one_hash_for_any_number_of_threads);
     suite_add_tcase(suite, contact);

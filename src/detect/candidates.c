@@ -382,8 +382,26 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
     return true;
 }
 
+/// Whether an open seam will make one point of two of their vertices: then they are as good as joined, and
+/// would only keep the seam from closing.
+static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t primitive)
+{
+    const PercaleModel *model = search->candidates->model;
+    if (model->open_seam_count == 0 || search->list->mesh != &model->cloth) {
+        return false;
+    }
+    const uint32_t *corners = search->hood.primitives + (size_t)search->hood.arity * primitive;
+    bool sewn = false;
+    for (uint32_t corner = 0; corner < search->hood.arity; corner++) {
+        sewn = sewn || !(near_distance(&model->near, query->points[0], corners[corner]) > 0.0f) ||
+               !(near_distance(&model->near, query->points[1], corners[corner]) > 0.0f);
+    }
+    return sewn;
+}
+
 /// Keeps the neighbours of an item, ascending.
-static void keep_neighbors(PercaleCollector *collector, uint32_t item)
+static void keep_neighbors(const Search *search, const PercaleQuery *query, PercaleCollector *collector,
+                           uint32_t item)
 {
     PercaleNeighborList *found = &collector->neighbors;
     for (size_t i = 1; i < found->count; i++) {
@@ -395,8 +413,10 @@ static void keep_neighbors(PercaleCollector *collector, uint32_t item)
         found->items[at] = neighbor;
     }
     for (size_t i = 0; i < found->count; i++) {
-        percale_collect_pair(collector,
-                             (PercaleItemPair){item, found->items[i].index, found->items[i].distance});
+        if (!are_sewn(search, query, found->items[i].index)) {
+            percale_collect_pair(collector,
+                                 (PercaleItemPair){item, found->items[i].index, found->items[i].distance});
+        }
     }
 }
 
@@ -418,7 +438,7 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
                                        collector->touched.count, &collector->memory, &collector->neighbors);
             collector->candidates += collector->touched.count;
             if (complete) {
-                keep_neighbors(collector, group.first + k);
+                keep_neighbors(search, &group.queries[k], collector, group.first + k);
             }
         }
         collector->complete = collector->complete && complete;

@@ -168,6 +168,19 @@ static void add_feature(PercaleCollector *collector, PercaleFeature feature)
     }
 }
 
+/// End of the run of one feature in a sorted list.
+static size_t end_of_feature(const PercaleSurface *cloth, const PercaleFeatureList *list, size_t first)
+{
+    const PercaleFeature *items = list->items;
+    uint64_t key = percale_surface_feature_key(cloth, items[first].triangle, items[first].closest.region);
+    size_t end = first + 1;
+    while (end < list->count &&
+           percale_surface_feature_key(cloth, items[end].triangle, items[end].closest.region) == key) {
+        end++;
+    }
+    return end;
+}
+
 /// Features in whose region the vertex is: faces, and edges and vertices of which all triangles say so.
 static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
 {
@@ -177,13 +190,7 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
     for (size_t first = 0, end; first < list->count; first = end) {
         PercaleFeature feature = list->items[first];
         PercaleRegion region = feature.closest.region;
-        uint64_t key = percale_surface_feature_key(&cloth, feature.triangle, region);
-        for (end = first + 1; end < list->count; end++) {
-            if (percale_surface_feature_key(&cloth, list->items[end].triangle,
-                                            list->items[end].closest.region) != key) {
-                break;
-            }
-        }
+        end = end_of_feature(&cloth, list, first);
         if (end - first != percale_surface_face_count(&cloth, feature.triangle, region)) {
             continue;
         }
@@ -238,15 +245,86 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
 
 // ---- obstacles ----
 
-/// An obstacle's vertex below the inside of a face of the cloth; its edges and vertices are those of the
-/// cloth's vertices and edges.
+/// An obstacle's vertex and the cloth.
+typedef struct ObstacleVertex {
+    const PercaleModelSurface *obstacle;
+    uint32_t point;
+    Vec3 outward;
+} ObstacleVertex;
+
+/// Below the inside of a face, or gone through it.
+static void add_obstacle_face(const PercalePairStage *stage, PercaleCollector *collector,
+                              const ObstacleVertex *vertex, const FaceView *view, uint32_t triangle)
+{
+    double across = vdot(view->unit, vertex->outward);
+    int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
+    if (fabs(across) < CLEAR_SIDE || side_of(stage, view, triangle) != side) { // the cloth came from behind
+        return;
+    }
+    const double *b = view->closest.weights;
+    const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
+    const double *at = view->closest.region == REGION_FACE ? weights : view->passage.weights;
+    double start = start_distance(stage, view->points);
+    Push push = {false,
+                 {at[0], at[1], at[2], at[3]},
+                 vscale((double)side, view->unit),
+                 side == view->start_side ? start : -start,
+                 view->keep.thickness,
+                 view->keep.friction};
+    percale_pair_add(stage, collector, view->points, &push);
+    note_side(collector, vertex->point, triangle, side);
+}
+
+/// In the region of an edge of the cloth, which is outside of the obstacle: along the line between the two.
+static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *collector,
+                             const ObstacleVertex *vertex, const FaceView *view)
+{
+    const double *b = view->closest.weights;
+    Push push = {.weights = {1.0, -b[0], -b[1], -b[2]},
+                 .thickness = view->keep.thickness,
+                 .friction = view->keep.friction};
+    Vec3 between = combine(stage, view->points, push.weights, false);
+    push.normal = vunit(between);
+    if (vlength(between) > NO_DIRECTION * (double)view->keep.thickness &&
+        vdot(push.normal, vertex->outward) < -CLEAR_SIDE) {
+        push.start_gap = start_distance(stage, view->points);
+        percale_pair_add(stage, collector, view->points, &push);
+    }
+}
+
+/// Edges of the cloth in whose region the vertex is, as all triangles around say. A vertex of the cloth
+/// belongs to that vertex's contacts.
+static void add_obstacle_rims(const PercalePairStage *stage, PercaleCollector *collector,
+                              const ObstacleVertex *vertex)
+{
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->model->predicted};
+    PercaleFeatureList *list = &collector->features;
+    percale_surface_sort(&cloth, list);
+    for (size_t first = 0, end; first < list->count; first = end) {
+        PercaleFeature feature = list->items[first];
+        end = end_of_feature(&cloth, list, first);
+        if (end - first != percale_surface_face_count(&cloth, feature.triangle, feature.closest.region)) {
+            continue;
+        }
+        Keep keep;
+        (void)keep_of_obstacle(stage->model, cloth.mesh->triangles[3 * (size_t)feature.triangle],
+                               vertex->obstacle, &keep);
+        FaceView view = view_face(stage, vertex->point, feature.triangle, keep, false);
+        add_obstacle_rim(stage, collector, vertex, &view);
+    }
+}
+
+/// An obstacle's vertex and the cloth's faces and edges. The cloth's vertices look for the obstacle's
+/// features themselves.
 void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCollector *collector,
                                        const PercaleModelSurface *obstacle, uint32_t point)
 {
     const PercaleModel *model = stage->model;
     const uint32_t *first = obstacle->vertex_first_face + (point - obstacle->first_point);
-    Vec3 outward =
-        percale_pair_outward(stage, obstacle, obstacle->vertex_faces + first[0], first[1] - first[0], 1);
+    ObstacleVertex vertex = {
+        obstacle, point,
+        percale_pair_outward(stage, obstacle, obstacle->vertex_faces + first[0], first[1] - first[0], 1)};
+    collector->features.count = 0;
     for (size_t i = 0; i < collector->neighbors.count; i++) {
         uint32_t triangle = collector->neighbors.items[i].index;
         const uint32_t *corners = model->cloth.triangles + 3 * (size_t)triangle;
@@ -255,25 +333,15 @@ void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCol
             continue;
         }
         FaceView view = view_face(stage, point, triangle, keep, collector->neighbors.items[i].may_pass);
-        double across = vdot(view.unit, outward);
-        int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
         const double *b = view.closest.weights;
         const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
-        bool near = view.closest.region == REGION_FACE &&
-                    view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
-        if ((!near && !view.has_passed) || fabs(across) < CLEAR_SIDE ||
-            side_of(stage, &view, triangle) != side) { // the cloth came from behind
-            continue;
+        PercaleRegion region = view.closest.region;
+        bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
+        if (view.has_passed || (near && region == REGION_FACE)) {
+            add_obstacle_face(stage, collector, &vertex, &view, triangle);
+        } else if (near && region < REGION_CORNER_0) {
+            add_feature(collector, (PercaleFeature){triangle, view.closest});
         }
-        double start = start_distance(stage, view.points);
-        const double *at = near ? weights : view.passage.weights;
-        Push push = {false,
-                     {at[0], at[1], at[2], at[3]},
-                     vscale((double)side, view.unit),
-                     side == view.start_side ? start : -start,
-                     keep.thickness,
-                     keep.friction};
-        percale_pair_add(stage, collector, view.points, &push);
-        note_side(collector, point, triangle, side);
     }
+    add_obstacle_rims(stage, collector, &vertex);
 }

@@ -34,7 +34,40 @@ static void add_push(PercaleCollector *collector, const uint32_t points[4], cons
     percale_collect_stencil(collector, &stencil);
 }
 
-static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query)
+/// Outward normal of an obstacle's vertex or edge at the end of the substep; zero where no face is.
+static Vec3 outward_of(const Kind *kind, uint32_t item)
+{
+    const PercaleModelSurface *mesh = kind->list->mesh;
+    PercaleSurface surface = {mesh, NULL, kind->stage->model->predicted};
+    if (kind->hood.arity == 2) {
+        uint32_t side = mesh->edges.sides[mesh->edges.first_side[item]];
+        return percale_surface_normal(&surface, side / 3, (PercaleRegion)(REGION_SIDE_0 + side % 3));
+    }
+    uint32_t first = mesh->vertex_first_face[item];
+    if (first == mesh->vertex_first_face[item + 1]) {
+        return vec3(0.0, 0.0, 0.0);
+    }
+    uint32_t face = mesh->vertex_faces[first];
+    uint32_t corner = 0;
+    while (mesh->triangles[3 * (size_t)face + corner] != mesh->first_point + item) {
+        corner++;
+    }
+    return percale_surface_normal(&surface, face, (PercaleRegion)(REGION_CORNER_0 + corner));
+}
+
+/// Whether the cloth passes a feature of an obstacle from behind: through an open one that is a free way, out
+/// of a closed one the only way.
+static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePassage *passage)
+{
+    if (kind->list->mesh == &kind->stage->model->cloth) {
+        return false;
+    }
+    Vec3 outward = outward_of(kind, item);
+    return !(vdot(outward, outward) > 0.0) || vdot(passage->normal, outward) > 0.0;
+}
+
+static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query,
+                         uint32_t item)
 {
     const PercaleModel *model = kind->stage->model;
     bool edges = kind->hood.arity == 2;
@@ -53,7 +86,8 @@ static void find_passing(const Kind *kind, PercaleCollector *collector, const Pe
             to[k] = vec3_of(model->predicted[points[k]]);
         }
         PercalePassage passage;
-        if (edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage)) {
+        if ((edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage)) &&
+            !comes_from_behind(kind, item, &passage)) {
             add_push(collector, points, from, &passage, edges);
         }
     }
@@ -75,7 +109,7 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
                                    &collector->memory, &collector->neighbors);
         collector->candidates += collector->touched.count;
         if (complete) {
-            find_passing(kind, collector, &query);
+            find_passing(kind, collector, &query, run.item);
         } else {
             collector->complete = false;
         }

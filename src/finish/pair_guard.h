@@ -8,7 +8,7 @@
 // momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, all that
 // still pass go only half their ways, then not at all: a start without crossings is an end without (so do the
 // fail-safes of Harmon 2008, for small groups). Obstacles and pins can't be held back: what they force
-// through is counted.
+// through is counted. What passes an obstacle's feature from behind is let through, as its vertices are.
 
 #ifndef PERCALE_PAIR_GUARD_H
 #define PERCALE_PAIR_GUARD_H

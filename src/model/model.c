@@ -322,11 +322,33 @@ static bool build_cloth(PercaleModel *model, PercaleMemory *memory)
            build_vertex_faces(cloth, cloth->triangles, memory);
 }
 
+/// Edges, and after them the pairs of open seams, which will be one point: ways of no length.
+static void list_ways(const PercaleModel *model, uint32_t (*ways)[2], float *lengths)
+{
+    memcpy(ways, model->edges, model->edge_count * sizeof(ways[0]));
+    memcpy(lengths, model->edge_lengths, model->edge_count * sizeof(lengths[0]));
+    for (uint32_t s = 0; s < model->open_seam_count; s++) {
+        uint32_t way = model->edge_count + s;
+        memcpy(ways[way], model->open_seams[s].slots, sizeof(ways[0]));
+        lengths[way] = 0.0f;
+    }
+}
+
 /// Twice the greatest thickness: farther apart two vertices can always keep theirs.
 static bool build_near(PercaleModel *model, PercaleMemory *memory)
 {
-    return percale_near_build(&model->near, model->slot_count, (const uint32_t(*)[2])model->edges,
-                              model->edge_lengths, model->edge_count, 2.0f * thickest_cloth(model), memory);
+    uint32_t count = model->edge_count + model->open_seam_count;
+    uint32_t(*ways)[2] = percale_memory_new(memory, count, sizeof(ways[0]));
+    float *lengths = percale_memory_new(memory, count, sizeof(float));
+    bool complete = ways != NULL && lengths != NULL;
+    if (complete) {
+        list_ways(model, ways, lengths);
+        complete = percale_near_build(&model->near, model->slot_count, (const uint32_t(*)[2])ways, lengths,
+                                      count, 2.0f * thickest_cloth(model), memory);
+    }
+    percale_memory_free(memory, ways);
+    percale_memory_free(memory, lengths);
+    return complete;
 }
 
 static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,
