@@ -357,8 +357,10 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
 
 static PercaleResult assemble(PercaleSolver *solver)
 {
+    bool edges_collide =
+        solver->def.edge_edge != 0 && solver->def.vertex_face != 0 && solver->objects.obstacle_count > 0;
     PercaleParts parts = {solver->def.bending != 0, solver->def.tethers != 0,
-                          solver->def.self_collision != 0 || solver->def.edge_edge != 0};
+                          solver->def.self_collision != 0 || edges_collide};
     PercaleResult result = percale_model_assemble(&solver->model, &solver->objects, parts,
                                                   &solver->model_memory, &solver->error);
     if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {

@@ -12,6 +12,8 @@ static const double sheet_height = 1.2; // m
 static const double radius = 0.5;       // m; of the sphere, which stands on y = 0
 enum { SUBDIVISIONS = 5 };              // 20480 triangles
 
+static const char *const defaults[] = {"self", "on", "ee", "on", NULL};
+
 static const PercaleSettingRow extra[] = {
     {{"hang", PERCALE_SETTING_CHOICE, {0}, 0, 2, "", "0|2|4", "corners that hold the sheet"}, NULL, 0}};
 
@@ -61,4 +63,5 @@ const PercaleSceneKind percale_scene_drape = {.name = "drape",
                                               .default_frames = 120,
                                               .extra_count = sizeof extra / sizeof extra[0],
                                               .extra = extra,
+                                              .defaults = defaults,
                                               .make = make};
