@@ -3,6 +3,7 @@
 static const uint64_t drape_sizes[] = {16384, 65536, 262144, 1048576, 0};
 static const uint64_t dress_sizes[] = {20000, 0};
 static const uint64_t flag_sizes[] = {9600, 0};
+static const uint64_t dense_sizes[] = {10000, 0};
 
 static const char *const hang_settings[] = {"hang",     "2",  "obstacle",   "off", "self", "off",
                                             "substeps", "20", "iterations", "1",   NULL};
@@ -16,6 +17,9 @@ const BenchScene *bench_scene(uint32_t index)
         {"drape_obstacle", "drape", drape_sizes, 120, obstacle_settings},
         {"dress", "dress", dress_sizes, 120, no_settings},
         {"flag", "flag", flag_sizes, 240, no_settings},
+        {"funnel", "funnel", dense_sizes, 240, no_settings},
+        {"twist", "twist", dense_sizes, 240, no_settings},
+        {"cards", "cards", dense_sizes, 120, no_settings},
     };
     return index < sizeof scenes / sizeof scenes[0] ? &scenes[index] : NULL;
 }

@@ -206,6 +206,11 @@ static uint32_t held_sample(const PercaleMotion *motion, uint32_t frame)
     return frame < motion->sample_count ? frame : motion->sample_count - 1;
 }
 
+bool percale_motion_given(const PercaleMotion *motion)
+{
+    return motion->sample_count > 0 || motion->pose != NULL;
+}
+
 bool percale_motion_changes(const PercaleMotion *motion, uint32_t frame)
 {
     if (motion->pose != NULL) {

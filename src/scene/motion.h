@@ -48,6 +48,8 @@ bool percale_motion_read(const char *path, uint32_t vertex_count, PercaleMotion 
                          PercaleSceneError *error);
 void percale_motion_free(PercaleMotion *motion); ///< leaves it zeroed
 
+/// Whether the points ever move.
+bool percale_motion_given(const PercaleMotion *motion);
 /// Whether the points are somewhere else at `frame` than where they were last moved to.
 bool percale_motion_changes(const PercaleMotion *motion, uint32_t frame);
 /// Positions at `frame` (the last sample held), which counts as moved to.

@@ -103,6 +103,12 @@ static float own_or(const PercaleSceneItem *item, PercaleOwnValue own, float com
 
 // ---- cloths ----
 
+double percale_scene_thickness(const PercaleScene *scene, double median_edge)
+{
+    const double given = percale_settings_number(&scene->settings, PERCALE_SET_THICKNESS);
+    return given > 0.0 ? given : (double)thickness_share * median_edge;
+}
+
 static bool choose_material(const Build *build, PercaleSceneItem *cloth, PercaleMaterial *material)
 {
     const PercaleMaterial common = percale_settings_material(&build->scene->settings);
@@ -129,7 +135,7 @@ static bool add_pin_group(const Build *build, const PercaleSceneItem *cloth, Per
     def.cloth = cloth->cloth;
     def.vertices = group->vertices;
     def.vertex_count = group->count;
-    if (group->motion.sample_count > 0) {
+    if (percale_motion_given(&group->motion)) {
         free(group->targets);
         group->targets = percale_array_new(3 * (uint64_t)group->count, sizeof *group->targets);
         if (group->targets == NULL) {
@@ -213,7 +219,7 @@ static bool add_cloth(Build *build, PercaleSceneItem *cloth)
 static bool start_obstacle(const Build *build, PercaleSceneItem *obstacle)
 {
     PercaleMotion *motion = &obstacle->motion;
-    if (motion->sample_count > 0 || motion->pose != NULL) {
+    if (percale_motion_given(motion)) {
         percale_motion_pose(motion, 0, percale_scene_frame_rate(build->scene), &obstacle->transform,
                             build->origin, obstacle->mesh.positions);
         return true;
@@ -342,6 +348,9 @@ static bool move_obstacle(PercaleScene *scene, PercaleSceneItem *obstacle, Perca
 
 bool percale_scene_move(PercaleScene *scene, PercaleSolver *solver, uint32_t frame, PercaleSceneError *error)
 {
+    if (scene->kind != NULL && scene->kind->follow != NULL && !scene->kind->follow(scene, solver, error)) {
+        return false;
+    }
     for (uint32_t index = 0; index < scene->cloth_count; ++index) {
         if (!move_pins(scene, &scene->cloths[index], solver, frame, error)) {
             return false;

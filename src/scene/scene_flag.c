@@ -3,8 +3,6 @@
 #include "scene/scene_model.h"
 #include "scene/shapes.h"
 
-#include <math.h>
-
 static const double width = 1.5;  // m
 static const double height = 1.0; // m
 static const double foot = 1.0;   // m; height of the lower edge
@@ -23,11 +21,9 @@ static bool pin_mast(PercaleSceneItem *cloth, uint32_t columns, uint32_t rows, P
 
 static bool make(PercaleScene *scene, PercaleSceneError *error)
 {
-    // Square cells: columns / rows is width / height.
-    const double wanted_rows = sqrt((double)scene->size * height / width);
-    const uint32_t rows = wanted_rows < 2.0 ? 2 : (uint32_t)(wanted_rows + 0.5);
-    const uint64_t wanted_columns = (scene->size + rows / 2) / rows;
-    const uint32_t columns = wanted_columns < 2 ? 2 : (uint32_t)wanted_columns;
+    uint32_t columns;
+    uint32_t rows;
+    percale_sheet_divide(scene->size, width, height, &columns, &rows);
     const double corner[3] = {0.0, foot, 0.0};
     const double along[3] = {width, 0.0, 0.0};
     const double across[3] = {0.0, height, 0.0};

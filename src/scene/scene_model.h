@@ -71,6 +71,9 @@ typedef struct PercaleSceneKind {
     const char *const *defaults;    ///< key, value, key, value, ..., NULL: what it sets otherwise
     /// Fills cloths and obstacles; NULL: not in this version.
     bool (*make)(PercaleScene *scene, PercaleSceneError *error);
+    /// Before pins and obstacles move to the next frame: what depends on where the cloth has gone looks at
+    /// it. NULL: nothing does.
+    bool (*follow)(PercaleScene *scene, PercaleSolver *solver, PercaleSceneError *error);
 } PercaleSceneKind;
 
 struct PercaleScene {
@@ -88,6 +91,10 @@ struct PercaleScene {
 extern const PercaleSceneKind percale_scene_drape;
 extern const PercaleSceneKind percale_scene_flag;
 extern const PercaleSceneKind percale_scene_dress;
+extern const PercaleSceneKind percale_scene_funnel;
+extern const PercaleSceneKind percale_scene_twist;
+extern const PercaleSceneKind percale_scene_cards;
+extern const PercaleSceneKind percale_scene_incline;
 
 /// A new cloth or obstacle at the end; NULL: no memory. Earlier pointers into the scene are no longer valid.
 PercaleSceneItem *percale_scene_add_cloth(PercaleScene *scene, PercaleSceneError *error);
@@ -101,6 +108,9 @@ void percale_scene_clear(PercaleScene *scene);
 bool percale_scene_measure(PercaleSceneItem *cloth, uint32_t first_weld, PercaleSceneError *error);
 /// Median length of the unique edges, m, over rest_lengths; negative: no memory.
 double percale_scene_median_edge(const PercaleSceneItem *cloth);
+
+/// The thickness that cloths without one of their own get, m, when their median edge is so long.
+double percale_scene_thickness(const PercaleScene *scene, double median_edge);
 
 /// Opens a scene file: fills settings, cloths and obstacles.
 bool percale_scene_read_json(PercaleScene *scene, const char *path, PercaleSceneError *error);

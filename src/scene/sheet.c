@@ -2,7 +2,17 @@
 #include "scene/scene_error.h"
 #include "scene/shapes.h"
 
+#include <math.h>
 #include <string.h>
+
+void percale_sheet_divide(uint64_t size, double along, double across, uint32_t *columns, uint32_t *rows)
+{
+    // Square cells: columns / rows is along / across.
+    const double wanted_rows = sqrt((double)size * across / along);
+    *rows = wanted_rows < 2.0 ? 2 : (uint32_t)(wanted_rows + 0.5);
+    const uint64_t wanted_columns = (size + *rows / 2) / *rows;
+    *columns = wanted_columns < 2 ? 2 : (uint32_t)wanted_columns;
+}
 
 static void fill_positions(uint32_t columns, uint32_t rows, const double corner[3], const double along[3],
                            const double across[3], float *positions)
