@@ -24,9 +24,15 @@ struct PercaleBlock {
     float deviation[2]; // m, from the mean, at most
 };
 
-float percale_widest_reach(const PercaleModel *model, float thickness)
+static float larger(float a, float b)
 {
-    return 1.001f * 0.5f * CONTACT_REACH * (thickness + thickest_cloth(model));
+    return a > b ? a : b;
+}
+
+/// Farthest that a surface of this thickness is in reach of a cloth, m.
+static float widest_reach(const PercaleCandidates *candidates, float thickness)
+{
+    return 1.001f * 0.5f * CONTACT_REACH * (thickness + candidates->thickest);
 }
 
 // ---- create ----
@@ -89,6 +95,7 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
     uint32_t mesh_count = 1 + model->obstacle_count;
     uint32_t size = (model->slot_count + BLOCKS_MOST - 1) / BLOCKS_MOST;
     candidates->margin = MARGIN * mean_edge(model);
+    candidates->thickest = thickest_cloth(model);
     candidates->list_count = 2 * mesh_count;
     candidates->block_size = size > BLOCK_SLOTS ? size : BLOCK_SLOTS;
     candidates->cloth_blocks = (model->slot_count + candidates->block_size - 1) / candidates->block_size;
@@ -164,7 +171,7 @@ static void measure_motion(struct PercaleBlock *block, const f32x4 *x, const f32
     block->mean[place] = sum / (float)(range[1] - range[0]);
     for (uint32_t i = range[0]; i < range[1]; i++) {
         block->deviation[place] =
-            fmaxf(block->deviation[place], length3(x[i] - reference[i] - block->mean[place]));
+            larger(block->deviation[place], length3(x[i] - reference[i] - block->mean[place]));
     }
 }
 
@@ -205,16 +212,17 @@ static float moved_against(const struct PercaleBlock *a, const struct PercaleBlo
     for (int axis = 0; axis < 3; axis++) {
         rounded += ROUNDED * (fabsf(a->low[axis]) + fabsf(a->high[axis]));
     }
-    return fmaxf(moved[0], moved[1]) + rounded;
+    return larger(moved[0], moved[1]) + rounded;
 }
 
-static float widest_reach_of_all(const PercaleModel *model)
+static float widest_reach_of_all(const PercaleCandidates *candidates)
 {
-    float thickest = thickest_cloth(model);
+    const PercaleModel *model = candidates->model;
+    float thickest = candidates->thickest;
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        thickest = fmaxf(thickest, model->obstacles[o].thickness);
+        thickest = larger(thickest, model->obstacles[o].thickness);
     }
-    return percale_widest_reach(model, thickest);
+    return widest_reach(candidates, thickest);
 }
 
 static void compare_blocks(void *context, uint32_t first, uint32_t end)
@@ -223,17 +231,17 @@ static void compare_blocks(void *context, uint32_t first, uint32_t end)
     PercaleCandidates *candidates = check->candidates;
     const struct PercaleBlock *blocks = candidates->blocks;
     uint32_t cloth_blocks = candidates->cloth_blocks;
-    float reach = widest_reach_of_all(candidates->model);
+    float reach = widest_reach_of_all(candidates);
     for (uint32_t a = first; a < end; a++) {
         float most = 0.0f;
         for (uint32_t b = 0; candidates->cloth && b < cloth_blocks; b++) {
-            most = fmaxf(most, moved_against(&blocks[a], &blocks[b], reach));
+            most = larger(most, moved_against(&blocks[a], &blocks[b], reach));
         }
         candidates->moved[a] = most;
         for (uint32_t o = 0; candidates->obstacles && o < candidates->model->obstacle_count; o++) {
             float moved = moved_against(&blocks[a], &blocks[cloth_blocks + o], reach);
             candidates->moved[(1 + o) * cloth_blocks + a] = moved;
-            most = fmaxf(most, moved);
+            most = larger(most, moved);
         }
         if (!(most <= check->slack)) {
             reduce_min(&check->spent, a);
@@ -256,21 +264,14 @@ bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, c
     return check.spent == UINT32_MAX;
 }
 
-/// How far what the pair's points in the cloth may touch has moved against them.
-static float pair_moved(const PercaleCandidates *candidates, uint32_t list, PercaleItemPair pair)
+/// How far what any of the cloth's points may touch has moved against them.
+static float most_moved(const PercaleCandidates *candidates, uint32_t list, const uint32_t *points,
+                        uint32_t count)
 {
-    const PercaleModelSurface *cloth = &candidates->model->cloth;
-    uint32_t arity = list % 2 == 1 ? 2 : 3;
-    const uint32_t *primitives = arity == 2 ? cloth->edges.vertices[0] : cloth->triangles;
-    const uint32_t *points = primitives + (size_t)arity * pair.primitive;
-    if (list < 2) { // of the cloth: its item's points
-        arity = arity == 2 ? 2 : 1;
-        points = arity == 2 ? cloth->edges.vertices[pair.item] : &pair.item;
-    }
     const float *moved = candidates->moved + (size_t)(list / 2) * candidates->cloth_blocks;
     float most = 0.0f;
-    for (uint32_t k = 0; k < arity; k++) {
-        most = fmaxf(most, moved[points[k] / candidates->block_size]);
+    for (uint32_t k = 0; k < count; k++) {
+        most = larger(most, moved[points[k] / candidates->block_size]);
     }
     return most;
 }
@@ -278,15 +279,28 @@ static float pair_moved(const PercaleCandidates *candidates, uint32_t list, Perc
 bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
                                float reach, PercaleCollector *collector)
 {
+    const PercaleModelSurface *cloth = &candidates->model->cloth;
     const PercaleItemPair *pairs = candidates->lists[list].pairs.items;
     PercaleItemPairList *touched = &collector->touched;
+    bool of_edges = list % 2 == 1;
+    bool of_cloth = list < 2;
     touched->count = 0;
     if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, run.end - run.first,
                                 sizeof(pairs[0]))) {
         return false;
     }
+    float most = 0.0f;
+    if (of_cloth) { // the item's own points say it for all
+        const uint32_t *points = of_edges ? cloth->edges.vertices[run.item] : &run.item;
+        most = most_moved(candidates, list, points, of_edges ? 2 : 1);
+    }
     for (size_t i = run.first; i < run.end; i++) {
-        if (pairs[i].distance <= reach + pair_moved(candidates, list, pairs[i])) {
+        if (!of_cloth) {
+            uint32_t primitive = pairs[i].primitive;
+            most = of_edges ? most_moved(candidates, list, cloth->edges.vertices[primitive], 2)
+                            : most_moved(candidates, list, cloth->triangles + 3 * (size_t)primitive, 3);
+        }
+        if (pairs[i].distance <= reach + most) {
             touched->items[touched->count++] = pairs[i];
         }
     }
@@ -314,9 +328,10 @@ typedef struct Group {
     f32x4 least, most; // around all
 } Group;
 
-PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleModelSurface *mesh, bool edge,
-                                     uint32_t item)
+PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
+                                     bool edge, uint32_t item)
 {
+    const PercaleModel *model = candidates->model;
     uint32_t first = mesh->first_point;
     PercaleQuery query = {.points = {first + item, first + item}};
     if (edge) {
@@ -325,7 +340,7 @@ PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleMod
     }
     bool is_cloth = mesh == &model->cloth;
     float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
-    query.reach = percale_widest_reach(model, thickness);
+    query.reach = widest_reach(candidates, thickness);
     return query;
 }
 
@@ -334,7 +349,7 @@ static void add_query(const Search *search, Group *group, uint32_t item)
     uint32_t k = group->count++;
     PercaleQuery *query = &group->queries[k];
     const PercaleCandidates *candidates = search->candidates;
-    *query = percale_candidate_query(candidates->model, search->list->mesh, search->tree->arity == 2, item);
+    *query = percale_candidate_query(candidates, search->list->mesh, search->tree->arity == 2, item);
     query->reach += candidates->margin;
     f32x4 low = search->places[0][query->points[0]];
     f32x4 high = low;

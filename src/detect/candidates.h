@@ -32,6 +32,7 @@ typedef struct PercaleCandidates {
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
     float margin;                // m, beyond the reach
+    float thickest;              // cloth, m
     f32x4 *reference;            // [point_count] where all points were
     bool known;                  // the lists hold pairs of `reference`
     uint32_t block_size;         // slots
@@ -82,10 +83,7 @@ bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t lis
                                float reach, PercaleCollector *collector);
 
 /// An item of a list, as a query; `edge`: else a vertex.
-PercaleQuery percale_candidate_query(const PercaleModel *model, const PercaleModelSurface *mesh, bool edge,
-                                     uint32_t item);
-
-/// Farthest that two cloths of the greatest thickness, or such a one and a surface of this, are in reach, m.
-float percale_widest_reach(const PercaleModel *model, float thickness);
+PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
+                                     bool edge, uint32_t item);
 
 #endif

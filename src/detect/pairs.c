@@ -35,8 +35,8 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     const Kind *kind = context;
     PercaleCandidateRun run = percale_candidates_run(kind->list, first);
     for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
-        PercaleQuery query =
-            percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
+        PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
+                                                     kind->hood.arity == 2, run.item);
         collector->neighbors.count = 0;
         bool complete =
             percale_candidates_select(kind->stage->candidates, kind->number, run, query.reach, collector) &&

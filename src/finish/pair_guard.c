@@ -99,8 +99,8 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     const Kind *kind = context;
     PercaleCandidateRun run = percale_candidates_run(kind->list, first);
     for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
-        PercaleQuery query =
-            percale_candidate_query(kind->stage->model, kind->list->mesh, kind->hood.arity == 2, run.item);
+        PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
+                                                     kind->hood.arity == 2, run.item);
         query.reach = -1.0f; // only those whose ways touch
         collector->neighbors.count = 0;
         bool complete =
