@@ -1,0 +1,315 @@
+// Laws of candidates and of the guard of pairs: while the lists hold they have every pair in reach, what
+// moves together spends nothing, and nothing goes through.
+
+#include "detect/passage.h"
+#include "finish/pair_guard.h"
+#include "pairs_testing.h"
+#include "percale/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 12, SHEETS = 2, SEARCHES = PERCALE_SANITIZED ? 2 : 8, STEPS = 30 };
+static const float WIDTH = 0.22f; // m; edges of 2 cm
+
+/// Two sheets, the second 12 mm above the first.
+typedef struct Sheets {
+    PercaleSolver *solver;
+    PercaleMesh mesh;
+    PercaleModel *model;
+    PercaleCandidates *candidates;
+    uint64_t seed;
+} Sheets;
+
+static void open_sheets(Sheets *sheets)
+{
+    PercaleSolverDef def = percale_solver_def_default();
+    def.self_collision = def.edge_edge = 1;
+    sheets->solver = percale_test_solver(def);
+    sheets->mesh = percale_test_sheet(SIDE, WIDTH);
+    sheets->seed = 11;
+    for (int s = 0; s < SHEETS; s++) {
+        (void)percale_test_add_cloth(sheets->solver, &sheets->mesh);
+        percale_test_translate(&sheets->mesh, 0.003f, 0.012f, 0.004f);
+    }
+    PERCALE_TEST_OK(sheets->solver, percale_solver_prepare(sheets->solver));
+    sheets->model = &sheets->solver->model;
+    sheets->candidates = &sheets->solver->candidates;
+}
+
+static void close_sheets(Sheets *sheets)
+{
+    percale_solver_destroy(sheets->solver);
+    percale_mesh_free(&sheets->mesh);
+}
+
+/// Every predicted position moves by `all` and, at random, by up to `each`.
+static void move(Sheets *sheets, f32x4 all, float each)
+{
+    for (uint32_t i = 0; i < sheets->model->slot_count; i++) {
+        f32x4 by = all;
+        for (int axis = 0; axis < 3; axis++) {
+            by[axis] += each * (float)(2.0 * percale_test_random(&sheets->seed) - 1.0);
+        }
+        sheets->model->predicted[i] += with_w(by, 0.0f);
+    }
+}
+
+static void start_here(Sheets *sheets)
+{
+    memcpy(sheets->model->position, sheets->model->predicted, sheets->model->slot_count * sizeof(f32x4));
+}
+
+static void find(Sheets *sheets)
+{
+    const f32x4 *places[2] = {sheets->model->position, sheets->model->predicted};
+    uint64_t tested = 0;
+    ck_assert(percale_candidates_find(sheets->candidates, places, 2, &sheets->solver->collectors,
+                                      &sheets->solver->detect_memory, percale_team_alone(), &tested));
+}
+
+static bool hold(Sheets *sheets)
+{
+    return percale_candidates_hold(sheets->candidates, sheets->model->position, sheets->model->predicted,
+                                   sheets->candidates->margin, percale_team_alone());
+}
+
+/// Whether the list has the pair and wouldn't leave it out for being far.
+static bool is_selected(Sheets *sheets, uint32_t list, uint32_t item, uint32_t primitive, float reach)
+{
+    const PercaleCandidateList *all = &sheets->candidates->lists[list];
+    PercaleCollector *collector = &sheets->solver->collectors.shares[0];
+    collector->memory = (PercaleMemory){sheets->solver->detect_memory.allocator, 0};
+    PercaleCandidateRun run = percale_candidates_run(all, 0);
+    while (run.first < all->pairs.count && run.item != item) {
+        run = percale_candidates_run(all, run.end);
+    }
+    ck_assert(percale_candidates_select(sheets->candidates, list, run, reach, collector));
+    sheets->solver->detect_memory.bytes += collector->memory.bytes;
+    bool found = false;
+    for (size_t i = 0; run.item == item && i < collector->touched.count; i++) {
+        found = found || collector->touched.items[i].primitive == primitive;
+    }
+    return found;
+}
+
+typedef double Distance(const double x[4][3], double weight[4]);
+
+/// All pairs of one kind within reach are selected. Returns their number.
+static uint32_t expect_all(Sheets *sheets, bool edges)
+{
+    const PercaleModel *model = sheets->model;
+    const PercaleEdges *all = &model->cloth.edges;
+    Distance *distance = edges ? percale_edge_edge_closest : percale_vertex_face_closest;
+    uint32_t item_count = edges ? all->edge_count : model->slot_count;
+    uint32_t primitive_count = edges ? all->edge_count : model->cloth.triangle_count;
+    const float reach = CONTACT_REACH * model->cloths[0].thickness;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < item_count; i++) {
+        for (uint32_t p = edges ? i + 1 : 0; p < primitive_count; p++) {
+            const uint32_t *face = model->cloth.triangles + 3 * (size_t)p;
+            uint32_t points[4] = {i, face[0], face[1], face[2]};
+            if (edges) {
+                memcpy(points, all->vertices[i], 2 * sizeof(uint32_t));
+                memcpy(points + 2, all->vertices[p], 2 * sizeof(uint32_t));
+            }
+            double x[4][3];
+            double weights[4];
+            bool own = false;
+            for (int k = 0; k < 4; k++) {
+                own =
+                    own || (k >= 1 + edges && (points[k] == points[0] || (edges && points[k] == points[1])));
+                for (int axis = 0; axis < 3; axis++) {
+                    x[k][axis] = (double)model->predicted[points[k]][axis];
+                }
+            }
+            if (!own && distance((const double(*)[3])x, weights) <= (double)reach) {
+                ck_assert_msg(is_selected(sheets, edges ? 1 : 0, i, p, reach), "%u and %u", i, p);
+                count++;
+            }
+        }
+    }
+    return count;
+}
+
+/// The sheets shake and sink into each other while they fall by metres.
+START_TEST(while_they_hold_the_lists_have_all_pairs_in_reach)
+{
+    Sheets sheets;
+    open_sheets(&sheets);
+    uint32_t pairs = 0;
+    uint32_t held = 0;
+    for (int search = 0; search < SEARCHES; search++) {
+        move(&sheets, (f32x4){0}, 0.002f);
+        start_here(&sheets);
+        find(&sheets);
+        for (int step = 0; step < STEPS; step++) {
+            move(&sheets, (f32x4){0.3f, -1.0f, 0.2f, 0.0f}, 0.0004f);
+            for (uint32_t i = 0; i < sheets.model->slot_count; i++) { // the upper one comes down
+                sheets.model->predicted[i][1] -= sheets.model->cloth_of[i] == 1 ? 0.0003f : 0.0f;
+            }
+            if (!hold(&sheets)) {
+                break;
+            }
+            held++;
+            pairs += expect_all(&sheets, false) + expect_all(&sheets, true);
+            start_here(&sheets);
+        }
+    }
+    ck_assert_uint_gt(held, SEARCHES);
+    ck_assert_uint_gt(pairs, 100);
+    close_sheets(&sheets);
+}
+END_TEST
+
+START_TEST(what_falls_together_spends_nothing_and_what_does_not_does)
+{
+    Sheets sheets;
+    open_sheets(&sheets);
+    find(&sheets);
+    move(&sheets, (f32x4){0.0f, -5.0f, 0.0f, 0.0f}, 0.0f);
+    ck_assert(hold(&sheets));
+    for (uint32_t i = 0; i < sheets.model->slot_count; i++) { // whole blocks, so that no mean hides it
+        bool odd = i / sheets.candidates->block_size % 2 == 1;
+        sheets.model->predicted[i][0] += odd ? 1.01f * sheets.candidates->margin : 0.0f;
+    }
+    ck_assert(!hold(&sheets));
+    close_sheets(&sheets);
+}
+END_TEST
+
+/// Blocks are quarters of a sheet of large cells; a small thing falls into the cells between them, where no
+/// vertex is.
+START_TEST(blocks_reach_as_far_as_their_triangles)
+{
+    enum { CELLS = 15 };
+    PercaleSolverDef def = percale_solver_def_default();
+    def.self_collision = def.edge_edge = 1;
+    Sheets sheets = {.solver = percale_test_solver(def), .mesh = percale_test_sheet(CELLS + 1, CELLS)};
+    (void)percale_test_add_cloth(sheets.solver, &sheets.mesh);
+    percale_test_translate(&sheets.mesh, 0.0f, 0.0f, 100.0f);
+    (void)percale_test_add_cloth(sheets.solver, &sheets.mesh);
+    PERCALE_TEST_OK(sheets.solver, percale_solver_prepare(sheets.solver));
+    PercaleModel *model = sheets.model = &sheets.solver->model;
+    sheets.candidates = &sheets.solver->candidates;
+    f32x4 *places[2] = {model->position, model->predicted};
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        for (int p = 0; model->cloth_of[i] == 1 && p < 2; p++) {
+            f32x4 x = places[p][i];
+            places[p][i] = (f32x4){0.01f * x[0], 10.0f, 3.0f + 0.01f * (x[2] - 100.0f), x[3]};
+        }
+    }
+    find(&sheets);
+    ck_assert(hold(&sheets));
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        if (model->cloth_of[i] == 1) {
+            model->predicted[i][1] = model->position[i][1] = 0.001f;
+        }
+    }
+    ck_assert(!hold(&sheets));
+    close_sheets(&sheets);
+}
+END_TEST
+
+/// All passages of the predicted ways, by all pairs.
+static uint32_t count_passages(const PercaleModel *model)
+{
+    const PercaleEdges *edges = &model->cloth.edges;
+    uint32_t count = 0;
+    for (int kind = 0; kind < 2; kind++) {
+        uint32_t item_count = kind == 0 ? model->slot_count : edges->edge_count;
+        uint32_t primitive_count = kind == 0 ? model->cloth.triangle_count : edges->edge_count;
+        for (uint32_t i = 0; i < item_count; i++) {
+            for (uint32_t p = kind == 0 ? 0 : i + 1; p < primitive_count; p++) {
+                const uint32_t *face = model->cloth.triangles + 3 * (size_t)p;
+                uint32_t points[4] = {i, face[0], face[1], face[2]};
+                if (kind == 1) {
+                    memcpy(points, edges->vertices[i], 2 * sizeof(uint32_t));
+                    memcpy(points + 2, edges->vertices[p], 2 * sizeof(uint32_t));
+                }
+                Vec3 from[4];
+                Vec3 to[4];
+                bool own = false;
+                for (int k = 0; k < 4; k++) {
+                    own = own ||
+                          (k > kind && (points[k] == points[0] || (kind == 1 && points[k] == points[1])));
+                    from[k] = vec3_of(model->position[points[k]]);
+                    to[k] = vec3_of(model->predicted[points[k]]);
+                }
+                PercalePassage passage;
+                count += !own && (kind == 0 ? percale_vertex_passes(from, to, &passage)
+                                            : percale_edges_pass(from, to, &passage));
+            }
+        }
+    }
+    return count;
+}
+
+/// Of the new velocities, kg m/s.
+static void sum_momentum(const PercaleModel *model, double sum[3])
+{
+    memset(sum, 0, 3 * sizeof(double));
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            sum[axis] += (double)model->next_velocity[i][axis] / (double)model->predicted[i][3];
+        }
+    }
+}
+
+/// Two sheets are thrown through each other, each vertex its own way: none of it happens, no momentum is made
+/// while pushing is enough, and the velocities are those of the ways.
+START_TEST(nothing_goes_through_however_it_is_thrown)
+{
+    static const float THROWS[][2] = {{0.004f, 0.001f}, {0.02f, 0.003f}, {0.05f, 0.02f}}; // m: common, each
+    const float dt = 1e-3f;
+    for (size_t t = 0; t < sizeof(THROWS) / sizeof(THROWS[0]); t++) {
+        Sheets sheets;
+        open_sheets(&sheets);
+        PercaleSolver *solver = sheets.solver;
+        PercaleModel *model = sheets.model;
+        move(&sheets, (f32x4){0}, THROWS[t][1]);
+        for (uint32_t i = 0; i < model->slot_count; i++) {
+            model->predicted[i][1] += model->cloth_of[i] == 0 ? 0.012f + THROWS[t][0] : 0.0f;
+            model->next_velocity[i] = with_w((model->predicted[i] - model->position[i]) / dt, 0.0f);
+        }
+        ck_assert_uint_gt(count_passages(model), 20);
+        PercalePairGuardStage stage = {.model = model,
+                                       .candidates = sheets.candidates,
+                                       .dt = dt,
+                                       .collectors = &solver->collectors,
+                                       .passing = &solver->passing,
+                                       .memory = &solver->detect_memory,
+                                       .team = percale_team_alone()};
+        PercalePairGuardCounts counts;
+        double before[3];
+        double after[3];
+        sum_momentum(model, before);
+        ck_assert(percale_pair_guard_run(&stage, &counts));
+        sum_momentum(model, after);
+        for (int axis = 0; t == 0 && axis < 3; axis++) {
+            ck_assert(fabs(after[axis] - before[axis]) <= 1e-5 * fabs(before[1]));
+        }
+        ck_assert_uint_gt(counts.pushed, 20);
+        ck_assert_uint_eq(counts.left, 0);
+        ck_assert_uint_eq(count_passages(model), 0);
+        for (uint32_t i = 0; i < model->slot_count; i++) {
+            f32x4 way = model->predicted[i] - model->position[i];
+            ck_assert(length3(with_w(way / dt - model->next_velocity[i], 0.0f)) < 1e-2f);
+        }
+        close_sheets(&sheets);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("candidates");
+    TCase *candidates = tcase_create("candidates");
+    tcase_set_timeout(candidates, 60.0);
+    tcase_add_test(candidates, while_they_hold_the_lists_have_all_pairs_in_reach);
+    tcase_add_test(candidates, what_falls_together_spends_nothing_and_what_does_not_does);
+    tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
+    tcase_add_test(candidates, nothing_goes_through_however_it_is_thrown);
+    suite_add_tcase(suite, candidates);
+    return percale_test_run(suite);
+}
