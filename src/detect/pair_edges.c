@@ -119,7 +119,8 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
                  .start_gap = vdot(before, reference) >= 0.0 ? vlength(before) : -vlength(before),
                  .thickness = keep.thickness,
                  .friction = keep.friction};
-    if (vdot(push.normal, outward) < CLEAR_SIDE) { // the cloth came from behind
+    if (!(vdot(reference, reference) > 0.0) ||
+        vdot(push.normal, outward) < CLEAR_SIDE) { // not yet, or the cloth came from behind
         return;
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));
