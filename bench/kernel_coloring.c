@@ -60,7 +60,8 @@ static void close_run(void *state)
 
 static bool color(ColoringRun *run)
 {
-    PercaleConstraints constraints = {&run->edges.vertices[0][0], 2, NULL, 0, 2, run->edges.edge_count, true};
+    PercaleConstraints constraints = {&run->edges.vertices[0][0], 2,    NULL, 0, 2,
+                                      run->edges.edge_count,      true, NULL};
     return percale_coloring_run(&run->coloring, &run->memory, &constraints, run->points, run->vertex_count);
 }
 

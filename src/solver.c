@@ -219,6 +219,7 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_collectors_free(&solver->collectors, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
     percale_memory_free(&solver->detect_memory, solver->passing.items);
+    percale_memory_free(&solver->detect_memory, solver->known_stencils.items);
     percale_memory_free(&solver->detect_memory, solver->notes[0].items);
     percale_memory_free(&solver->detect_memory, solver->notes[1].items);
     percale_batches_free(&solver->edges, &solver->color_memory);
@@ -265,6 +266,7 @@ static void drop_model(PercaleSolver *solver)
     solver->seam_targets = NULL;
     percale_model_free(&solver->model, &solver->model_memory);
     solver->stencils.count = 0;
+    solver->known_stencils.count = 0;
     solver->notes[0].count = 0;
     solver->pass_stencil_count = 0;
     solver->assembled = false;

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/timer.h"
+#include "detect/carry.h"
 #include "finish/advance.h"
 #include "finish/guard.h"
 #include "finish/pair_guard.h"
@@ -13,9 +14,12 @@
 #include "predict/predict.h"
 #include "solve/sweep.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 static const float SEAM_SPEED = 0.5f; // m/s at which the gap of an open seam closes
+
+enum { GRAIN_STENCILS = 512 }; // per chunk; even, as the kernels take two at a time
 
 /// One substep of a step.
 typedef struct Substep {
@@ -25,6 +29,7 @@ typedef struct Substep {
     float dt;        // s
     double fraction; // of the step, at this substep's end
     bool has_pass;   // a collision pass falls into it
+    bool any_leaves; // a contact opens fast
     double since;    // clock when the running stage began, s
 } Substep;
 
@@ -276,18 +281,32 @@ static bool detect_pairs(Substep *substep)
     return complete;
 }
 
+/// The stencils of the last pass become the known ones.
+static void begin_stencils(PercaleSolver *solver)
+{
+    PercaleStencilList known = solver->stencils;
+    known.count = solver->pass_stencil_count;
+    solver->stencils = solver->known_stencils;
+    solver->stencils.count = 0;
+    solver->known_stencils = known;
+}
+
 /// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
-/// added.
-static PercaleResult detect_contacts(Substep *substep, bool pass)
+/// added. `first`: in the substep.
+static PercaleResult detect_contacts(Substep *substep, bool pass, bool first)
 {
     PercaleSolver *solver = substep->solver;
     bool complete = true;
+    if (pass) {
+        begin_stencils(solver);
+    }
     solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
         PercalePair pair = pair_of(substep, o);
         PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
         PercaleContactStage stage = {
-            &pair, &solver->proximities[o], &at_end, solver->crossings[o], !pass, substep->dt, substep->team};
+            &pair,       &solver->proximities[o], &at_end,      solver->crossings[o], !pass,
+            substep->dt, (uint64_t)o << 32,       substep->team};
         complete = percale_contacts_find(&stage, &solver->collectors, &solver->detect_memory,
                                          &solver->stencils, &solver->counters.candidates);
     }
@@ -295,9 +314,12 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
     if (complete && pass && solver->candidates.lists != NULL) {
         complete = detect_pairs(substep);
     }
-    if (pass) {
+    if (complete && pass) {
         solver->pass_stencil_count = solver->stencils.count;
-    } else {
+        PercaleCarryStage stage = {&solver->known_stencils, &solver->stencils, !first, substep->team};
+        percale_carry_run(&stage);
+    }
+    if (!pass) {
         for (size_t i = 0; i < solver->pass_stencil_count; i++) { // a new substep: nothing has pushed yet
             solver->stencils.items[i].multiplier = (f32x4){0};
         }
@@ -307,6 +329,44 @@ static PercaleResult detect_contacts(Substep *substep, bool pass)
 }
 
 // ---- color ----
+
+// A stencil whose gap is this many of its distances wide touches nothing: it chooses its colour after those
+// that do, whose order it would shuffle by coming and going.
+static const float FAR_GAP = 1.5f;
+
+/// What the chunks of the stencils share.
+typedef struct Waits {
+    const PercaleStencil *stencils;
+    const f32x4 *x;
+    uint8_t *waits;
+} Waits;
+
+static void find_waits(void *context, uint32_t first, uint32_t end)
+{
+    const Waits *waits = context;
+    for (uint32_t i = first; i < end; i++) {
+        const PercaleStencil *stencil = &waits->stencils[i];
+        f32x4 x = waits->x[stencil->points[0]];
+        f32x4 offset = {0};
+        for (int k = 1; k < 4; k++) {
+            offset += (waits->x[stencil->points[k]] - x) * stencil->weights[k];
+        }
+        waits->waits[i] = dot3(stencil->normal, offset) > FAR_GAP * stencil->normal[3];
+    }
+}
+
+/// Which stencils are far from touching. NULL without memory.
+static const uint8_t *waits_of(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    uint32_t count = (uint32_t)solver->stencils.count;
+    Waits waits = {solver->stencils.items, solver->model.predicted,
+                   percale_arena_new(&solver->arena, count, sizeof(uint8_t))};
+    if (waits.waits != NULL) {
+        percale_team_for(substep->team, count, GRAIN_STENCILS, find_waits, &waits);
+    }
+    return waits.waits;
+}
 
 static PercaleResult color(Substep *substep, bool pass)
 {
@@ -323,8 +383,10 @@ static PercaleResult color(Substep *substep, bool pass)
         .weight_stride = sizeof(PercaleStencil) / sizeof(float),
         .arity = 4,
         .count = count,
+        .waits = waits_of(substep),
     };
     bool complete =
+        constraints.waits != NULL &&
         percale_coloring_run(&solver->contact_coloring, &solver->color_memory, &constraints,
                              solver->model.predicted, solver->model.point_count) &&
         percale_batch_coloring(&solver->contact_coloring, &solver->color_memory, &solver->contacts);
@@ -368,6 +430,24 @@ static void begin_solve(Substep *substep)
     end_stage(substep, PERCALE_STAGE_SOLVE);
 }
 
+static PercaleSolveArrays solve_arrays(const Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    return (PercaleSolveArrays){model,
+                                model->predicted,
+                                model->position,
+                                model->next_velocity,
+                                substep->dt,
+                                solver->edge_multipliers,
+                                solver->bend_weights,
+                                solver->bend_relaxations,
+                                solver->hinge_multipliers,
+                                solver->seam_targets,
+                                solver->stencils.items,
+                                solver->contact_coloring.order};
+}
+
 static PercaleResult solve(Substep *substep, uint32_t sweep_count)
 {
     PercaleSolver *solver = substep->solver;
@@ -375,9 +455,7 @@ static PercaleResult solve(Substep *substep, uint32_t sweep_count)
     bool bends = model->hinge_count > 0 && (uint32_t)substep->index % solver->bend_interval == 0;
     PercaleBatches none = {0};
     PercaleSweepPlan plan = {
-        .arrays = {model, model->predicted, model->position, substep->dt, solver->edge_multipliers,
-                   solver->bend_weights, solver->bend_relaxations, solver->hinge_multipliers,
-                   solver->seam_targets, solver->stencils.items, solver->contact_coloring.order},
+        .arrays = solve_arrays(substep),
         .edges = &solver->edges,
         .hinges = bends ? &solver->hinges : &none,
         .contacts = &solver->contacts,
@@ -400,6 +478,30 @@ static PercaleResult solve(Substep *substep, uint32_t sweep_count)
     counters->projections += stretch + bend + tether + seam + contact;
     end_stage(substep, PERCALE_STAGE_SOLVE);
     return PERCALE_OK;
+}
+
+/// What the chunks of the stencils' end share.
+typedef struct Slips {
+    PercaleSolveArrays arrays;
+    atomic_bool any_leaves;
+} Slips;
+
+static void keep_slips(void *context, uint32_t first, uint32_t end)
+{
+    Slips *slips = context;
+    if (percale_solve_contact_slips(&slips->arrays, first, end)) {
+        atomic_store_explicit(&slips->any_leaves, true, memory_order_relaxed);
+    }
+}
+
+/// After the last sweep: the slip that friction still owes.
+static void end_solve(Substep *substep)
+{
+    Slips slips = {.arrays = solve_arrays(substep)};
+    percale_team_for(substep->team, (uint32_t)substep->solver->stencils.count, GRAIN_STENCILS, keep_slips,
+                     &slips);
+    substep->any_leaves = slips.any_leaves;
+    end_stage(substep, PERCALE_STAGE_SOLVE);
 }
 
 // ---- finish ----
@@ -429,6 +531,13 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
     return complete;
 }
 
+/// What undid an overlap gives no velocity. False without memory.
+static bool end_exits(Substep *substep)
+{
+    PercaleSweepPlan plan = {.arrays = solve_arrays(substep), .contacts = &substep->solver->contacts};
+    return percale_sweep_exits(&plan, substep->team, &substep->solver->arena);
+}
+
 static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
@@ -436,6 +545,9 @@ static PercaleResult finish(Substep *substep)
     uint32_t bad = percale_advance_velocities(model, substep->dt, substep->team);
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
+    }
+    if (substep->any_leaves && !end_exits(substep)) {
+        return percale_fail_memory(&solver->error);
     }
     uint64_t corrected = 0;
     for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
@@ -485,7 +597,7 @@ static PercaleResult run_substep(Substep *substep)
     for (bool first = true; result == PERCALE_OK && sweep < end; first = false) {
         bool pass = is_pass_due(def, sweep);
         if (pass || first) {
-            result = detect_contacts(substep, pass);
+            result = detect_contacts(substep, pass, first);
             result = result == PERCALE_OK ? color(substep, pass) : result;
         }
         uint64_t next = sweep + 1;
@@ -496,6 +608,9 @@ static PercaleResult run_substep(Substep *substep)
             result = solve(substep, (uint32_t)(next - sweep));
         }
         sweep = next;
+    }
+    if (result == PERCALE_OK) {
+        end_solve(substep);
     }
     return result == PERCALE_OK ? finish(substep) : result;
 }
@@ -564,6 +679,7 @@ void percale_run_substeps(PercaleTeam *team, void *context)
                            (float)(substeps->seconds / count),
                            (double)(substeps->good + 1) / (double)count,
                            has_pass(&solver->def, substeps->good),
+                           false,
                            percale_seconds()};
         percale_arena_reset(&solver->arena);
         substeps->result = run_substep(&substep);

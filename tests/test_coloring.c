@@ -76,8 +76,8 @@ static void close_bench(Bench *bench)
 
 static void color(Bench *bench, const Problem *problem)
 {
-    PercaleConstraints constraints = {&problem->vertices[0][0], ARITY, &problem->weights[0][0], ARITY, ARITY,
-                                      problem->count,           false};
+    PercaleConstraints constraints = {
+        &problem->vertices[0][0], ARITY, &problem->weights[0][0], ARITY, ARITY, problem->count, false, NULL};
     ck_assert(percale_coloring_run(&bench->coloring, &bench->memory, &constraints, problem->points,
                                    problem->point_count));
 }
@@ -261,6 +261,45 @@ START_TEST(a_vertex_without_weight_takes_no_part)
 }
 END_TEST
 
+/// Those that wait come and go; the others keep their colours.
+START_TEST(colours_do_not_depend_on_those_that_wait)
+{
+    uint64_t seed = 21;
+    enum { OTHERS = 40, WAITING = 40 };
+    f32x4 points[30];
+    for (int i = 0; i < 30; i++) {
+        points[i] = (f32x4){0.0f, 0.0f, 0.0f, 1.0f};
+    }
+    for (int trial = 0; trial < 50; trial++) {
+        uint32_t vertices[OTHERS + WAITING][2];
+        uint8_t waits[OTHERS + WAITING];
+        uint32_t alone[OTHERS][2];
+        uint32_t other_count = 0;
+        for (uint32_t i = 0; i < OTHERS + WAITING; i++) {
+            vertices[i][0] = (uint32_t)(30.0 * percale_test_random(&seed));
+            vertices[i][1] = (vertices[i][0] + 1 + (uint32_t)(29.0 * percale_test_random(&seed))) % 30;
+            waits[i] = (i % 2) != 0;
+            if (waits[i] == 0) {
+                memcpy(alone[other_count++], vertices[i], sizeof(vertices[i]));
+            }
+        }
+        Bench both;
+        Bench others;
+        open_bench(&both);
+        open_bench(&others);
+        PercaleConstraints all = {vertices[0], 2, NULL, 0, 2, OTHERS + WAITING, false, waits};
+        PercaleConstraints some = {alone[0], 2, NULL, 0, 2, OTHERS, false, NULL};
+        ck_assert(percale_coloring_run(&both.coloring, &both.memory, &all, points, 30));
+        ck_assert(percale_coloring_run(&others.coloring, &others.memory, &some, points, 30));
+        for (uint32_t i = 0; i < OTHERS; i++) {
+            ck_assert_uint_eq(both.coloring.color_of[2 * i], others.coloring.color_of[i]);
+        }
+        close_bench(&both);
+        close_bench(&others);
+    }
+}
+END_TEST
+
 START_TEST(nothing_needs_no_colour)
 {
     Bench bench;
@@ -333,6 +372,7 @@ int main(void)
     tcase_add_test(rules, constraints_on_one_vertex_need_a_colour_each);
     tcase_add_test(rules, a_vertex_that_cannot_move_takes_no_part);
     tcase_add_test(rules, a_vertex_without_weight_takes_no_part);
+    tcase_add_test(rules, colours_do_not_depend_on_those_that_wait);
     tcase_add_test(rules, nothing_needs_no_colour);
     suite_add_tcase(suite, rules);
     TCase *validation = tcase_create("validation");

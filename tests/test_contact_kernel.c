@@ -2,6 +2,7 @@
 
 #include "kernel_testing.h"
 
+#include "detect/carry.h"
 #include "detect/contacts.h"
 #include "percale/geometry.h"
 #include "solve/solve_arrays.h"
@@ -309,6 +310,159 @@ START_TEST(friction_lets_go_with_the_contact)
 }
 END_TEST
 
+/// A vertex that is pressed 1 mm into a floor and owes a slip along x; friction may undo 0.4 mm of it. Others
+/// then move it by `pull` along x.
+static PercaleStencil owe(float owed, float pull, f32x4 *end)
+{
+    Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                   .weights = {1.0f, -0.5f, -0.25f, -0.25f},
+                                   .normal = {0.0f, 0.0f, 1.0f, 0.002f},
+                                   .owed = {owed, 0.0f, 0.0f, 0.0f},
+                                   .friction = 0.4f}};
+    f32x4 start[POINTS] = {{0.0f, 0.0f, 0.002f, 2.0f},
+                           {-1.0f, -1.0f, 0.0f, 0.0f},
+                           {2.0f, 0.0f, 0.0f, 0.0f},
+                           {0.0f, 2.0f, 0.0f, 0.0f}};
+    f32x4 x[POINTS];
+    memcpy(x, start, sizeof(x));
+    x[0][2] -= 1e-3f;
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+    percale_solve_contact(&arrays, 0, 1);
+    x[0][0] += pull;
+    (void)percale_solve_contact_slips(&arrays, 0, 1);
+    *end = x[0];
+    return contact.stencil;
+}
+
+START_TEST(friction_undoes_what_it_owes)
+{
+    f32x4 end;
+    PercaleStencil stencil = owe(3e-4f, 0.0f, &end);
+    expect_near(end[0], -3e-4f);
+    expect_near(stencil.owed[0], 0.0f);
+    stencil = owe(3e-4f, 5e-5f, &end); // what comes after its turn is owed
+    expect_near(stencil.owed[0], 5e-5f);
+    expect_near(stencil.owed[2], 0.0f);
+}
+END_TEST
+
+START_TEST(an_anchor_is_dragged_by_what_the_cone_refuses)
+{
+    f32x4 end;
+    PercaleStencil stencil = owe(3e-3f, 0.0f, &end);
+    expect_near(end[0], -4e-4f);
+    expect_near(stencil.owed[0], 0.0f);
+    stencil = owe(3e-3f, 5e-5f, &end);
+    expect_near(stencil.owed[0], 5e-5f);
+}
+END_TEST
+
+START_TEST(what_does_not_touch_owes_nothing)
+{
+    Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                   .weights = {1.0f, -0.5f, -0.25f, -0.25f},
+                                   .normal = {0.0f, 0.0f, 1.0f, 0.002f},
+                                   .owed = {1e-4f, 0.0f, 0.0f, 0.0f},
+                                   .friction = 0.4f}};
+    f32x4 x[POINTS] = {{0.0f, 0.0f, 0.003f, 2.0f},
+                       {-1.0f, -1.0f, 0.0f, 0.0f},
+                       {2.0f, 0.0f, 0.0f, 0.0f},
+                       {0.0f, 2.0f, 0.0f, 0.0f}};
+    f32x4 start[POINTS];
+    memcpy(start, x, sizeof(start));
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+    percale_solve_contact(&arrays, 0, 1);
+    ck_assert(!percale_solve_contact_slips(&arrays, 0, 1));
+    expect_near(x[0][0], 0.0f);
+    ck_assert_mem_eq(&contact.stencil.owed, &(f32x4){0}, sizeof(f32x4));
+}
+END_TEST
+
+// ---- what is handed on ----
+
+/// A stencil of one vertex, of this face and this normal.
+static PercaleStencil stencil_of(uint64_t source, uint32_t face, float nx, float nz)
+{
+    return (PercaleStencil){.points = {1, 10 * face, 10 * face + 1, 10 * face + 2},
+                            .normal = {nx, 0.0f, nz, 0.002f},
+                            .source = source};
+}
+
+START_TEST(anchors_pass_to_the_same_points_else_to_the_same_surface)
+{
+    PercaleStencil known[3] = {stencil_of(4, 1, 0.0f, 1.0f), stencil_of(7, 2, 0.0f, 1.0f),
+                               stencil_of(7, 3, 0.0f, -1.0f)};
+    for (int i = 0; i < 3; i++) {
+        known[i].owed = (f32x4){1e-3f * (float)(i + 1), 0.0f, 0.0f, 0.0f};
+        known[i].multiplier = (f32x4){0.5f, 0.0f, 0.0f, 2.0f + (float)i};
+    }
+    for (int same_substep = 0; same_substep < 2; same_substep++) {
+        PercaleStencil found[5] = {stencil_of(4, 1, 0.0f, 1.0f),  // the same
+                                   stencil_of(5, 1, 0.0f, 1.0f),  // the same points, another source
+                                   stencil_of(7, 2, 0.6f, 0.8f),  // the same, turned
+                                   stencil_of(7, 9, 0.0f, -1.0f), // a neighbour of the third
+                                   stencil_of(7, 8, 1.0f, 0.0f)}; // no neighbour
+        PercaleStencilList known_list = {known, 3, 3};
+        PercaleStencilList found_list = {found, 5, 5};
+        PercaleCarryStage stage = {&known_list, &found_list, same_substep == 1, percale_team_alone()};
+        percale_carry_run(&stage);
+        expect_near(found[0].owed[0], 1e-3f);
+        expect_near(found[1].owed[0], 0.0f);
+        expect_near(found[2].owed[0], 2e-3f * 0.64f); // along the turned surface
+        expect_near(found[2].owed[2], -2e-3f * 0.48f);
+        expect_near(found[3].owed[0], 3e-3f);
+        expect_near(found[4].owed[0], 0.0f);
+        expect_near(found[0].multiplier[3], same_substep == 1 ? 2.0f : 0.0f);
+        expect_near(found[0].multiplier[0], same_substep == 1 ? 0.5f : 0.0f);
+        expect_near(found[2].multiplier[3], same_substep == 1 ? 3.0f : 0.0f);
+        expect_near(found[3].multiplier[3], 0.0f); // the push was another pair's
+    }
+}
+END_TEST
+
+// ---- what undoes an overlap ----
+
+/// A vertex that was `overlap` too low and rises at `speed` once it has been lifted; it rose at `before`
+/// earlier. Returns the speed that is left to it.
+static float leave(float overlap, float speed, float before)
+{
+    Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                   .weights = {1.0f, -0.5f, -0.25f, -0.25f},
+                                   .normal = {0.0f, 0.0f, 1.0f, 0.002f},
+                                   .multiplier = {0.0f, 0.0f, 0.0f, 1.0f}}};
+    f32x4 start[POINTS] = {{0.0f, 0.0f, 0.002f - overlap, 2.0f},
+                           {-1.0f, -1.0f, 0.0f, 0.0f},
+                           {2.0f, 0.0f, 0.0f, 0.0f},
+                           {0.0f, 2.0f, 0.0f, 0.0f}};
+    f32x4 x[POINTS];
+    memcpy(x, start, sizeof(x));
+    f32x4 velocity = {0.3f, 0.0f, speed, 0.0f};
+    f32x4 earlier = {0.3f, 0.0f, before, 0.0f};
+    PercaleModel model = {.slot_count = 1, .velocity = &earlier};
+    PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+    arrays.model = &model;
+    arrays.velocity = &velocity;
+    percale_solve_contact_exit(&arrays, 0, 1);
+    expect_near(velocity[0], 0.3f);
+    return velocity[2];
+}
+
+static void expect_speed(float value, float expected)
+{
+    ck_assert_double_eq_tol((double)value, (double)expected, 1e-6);
+}
+
+START_TEST(a_correction_gives_no_velocity_and_takes_none)
+{
+    expect_speed(leave(1e-3f, 0.5f, 0.0f), 0.0f);
+    expect_speed(leave(1e-3f, 0.5f, -2.0f), 0.0f);   // it came in
+    expect_speed(leave(1e-3f, 0.5f, 0.2f), 0.2f);    // it was on its way out
+    expect_speed(leave(1e-4f, 0.5f, 0.0f), 0.4f);    // 0.1 mm in a millisecond was the correction's
+    expect_speed(leave(0.0f, 0.5f, 0.0f), 0.5f);     // nothing was to be undone
+    expect_speed(leave(1e-3f, -0.5f, -0.5f), -0.5f); // it doesn't leave
+}
+END_TEST
+
 START_TEST(quantized_weights_sum_to_exactly_one)
 {
     uint64_t seed = 11;
@@ -339,6 +493,11 @@ int main(void)
     tcase_add_test(contact, friction_stays_inside_the_cone);
     tcase_add_test(contact, friction_brakes_as_coulomb_says);
     tcase_add_test(contact, friction_lets_go_with_the_contact);
+    tcase_add_test(contact, friction_undoes_what_it_owes);
+    tcase_add_test(contact, an_anchor_is_dragged_by_what_the_cone_refuses);
+    tcase_add_test(contact, what_does_not_touch_owes_nothing);
+    tcase_add_test(contact, anchors_pass_to_the_same_points_else_to_the_same_surface);
+    tcase_add_test(contact, a_correction_gives_no_velocity_and_takes_none);
     tcase_add_test(contact, quantized_weights_sum_to_exactly_one);
     suite_add_tcase(suite, contact);
     return percale_test_run(suite);

@@ -44,6 +44,19 @@ static uint32_t pick_color(Constraint constraint, const f32x4 *points, uint64_t 
     return color;
 }
 
+/// Colours of all that wait (1) or of all others (0).
+static void pick_colors(PercaleColoring *coloring, const PercaleConstraints *constraints, const f32x4 *points,
+                        uint8_t waits, uint32_t population[])
+{
+    for (uint32_t i = 0; i < constraints->count; i++) {
+        if (constraints->waits == NULL || constraints->waits[i] == waits) {
+            uint32_t color = pick_color(constraint_at(constraints, i), points, coloring->used);
+            coloring->color_of[i] = (uint8_t)color;
+            population[color]++;
+        }
+    }
+}
+
 static void sort_by_color(PercaleColoring *coloring, const uint32_t *population)
 {
     uint32_t start[COLORS_MAX + 1];
@@ -84,10 +97,9 @@ bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory,
         return false;
     }
     uint32_t population[COLORS_MAX + 1] = {0};
-    for (uint32_t i = 0; i < constraints->count; i++) {
-        uint32_t color = pick_color(constraint_at(constraints, i), points, coloring->used);
-        coloring->color_of[i] = (uint8_t)color;
-        population[color]++;
+    pick_colors(coloring, constraints, points, 0, population);
+    if (constraints->waits != NULL) {
+        pick_colors(coloring, constraints, points, 1, population);
     }
     for (uint32_t i = 0; i < constraints->count; i++) {
         for (uint32_t k = 0; k < constraints->arity; k++) {

@@ -4,9 +4,9 @@
 //   out  constraints sorted by colour, inside a colour in their old order
 //
 // Greedy first fit with one 64-bit mask per vertex, in the order of the constraints, which makes the result
-// independent of threads. A vertex that can't move (inverse mass 0) or carries no weight takes no part, if
-// the kernel leaves it alone. What doesn't fit into 64 colours goes to a remainder that is solved on one
-// thread, and is counted.
+// independent of threads. Those that wait choose after the others, whose colours so don't depend on them. A
+// vertex that can't move (inverse mass 0) or carries no weight takes no part, if the kernel leaves it alone.
+// What doesn't fit into 64 colours goes to a remainder that is solved on one thread, and is counted.
 
 #ifndef PERCALE_COLORING_H
 #define PERCALE_COLORING_H
@@ -36,7 +36,8 @@ typedef struct PercaleConstraints {
     size_t weight_stride;
     uint32_t arity;
     uint32_t count;
-    bool all_take_part; // also vertices that can't move: for kernels that write every vertex
+    bool all_take_part;   // also vertices that can't move: for kernels that write every vertex
+    const uint8_t *waits; // [count] those that choose after the others; NULL: none
 } PercaleConstraints;
 
 /// points[v][3] is the inverse mass. False without memory.

@@ -12,7 +12,8 @@ void percale_collect_stencil(PercaleCollector *collector, const PercaleStencil *
     PercaleStencilList *list = &collector->stencils;
     if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
                                sizeof(*stencil))) {
-        list->items[list->count++] = *stencil;
+        list->items[list->count] = *stencil;
+        list->items[list->count++].source = collector->source;
     } else {
         collector->complete = false;
     }

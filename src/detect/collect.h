@@ -39,6 +39,7 @@ typedef struct PercaleCollector {
     PercaleNoteList notes;
     PercaleItemPairList pairs;
     PercaleMemory memory;
+    uint64_t source;     // of the stencils that are found now
     uint64_t candidates; // pairs looked at
     bool complete;       // there was memory
 } PercaleCollector;

@@ -182,6 +182,7 @@ static void find_range(const void *context, PercaleCollector *collector, uint64_
     const PercaleContactStage *stage = context;
     for (uint64_t i = first; collector->complete && i < end; i++) {
         if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
+            collector->source = stage->source | stage->proximity->active[i];
             add_contacts(stage, (uint32_t)i, collector);
         }
     }

@@ -29,6 +29,7 @@ typedef struct PercaleContactStage {
     const PercaleCrossing *crossings; // [active_count]; NULL without CCD
     bool crossings_only;              // between two passes: only vertices that have crossed
     float dt;                         // s, of a substep
+    uint64_t source;                  // of its stencils, with the vertex
     PercaleTeam *team;
 } PercaleContactStage;
 

@@ -31,6 +31,10 @@ static bool view_edges(const PercalePairStage *stage, const uint32_t points[4], 
         memcpy(view->weights, passage.weights, sizeof(passage.weights));
     }
     view->between = weigh_points(view->to, view->weights);
+    if (!inside && view->has_passed) { // they have slid apart since they met: that is no way back
+        Vec3 across = vunit(vcross(vsub(view->to[1], view->to[0]), vsub(view->to[3], view->to[2])));
+        view->between = vscale(vdot(view->between, across), across);
+    }
     view->distance = vlength(view->between);
     return view->has_passed ||
            (inside && view->distance <= percale_pair_reach(stage, keep, points, view->weights));
@@ -65,6 +69,9 @@ static Vec3 reference_of(const EdgeView *view, const PercalePairNote *note, Vec3
 {
     if (note != NULL) {
         return vec3_of(note->normal);
+    }
+    if (!view->has_passed && vdot(before, view->between) < 0.0) {
+        return (Vec3){0.0, 0.0, 0.0}; // they have changed sides where one of their neighbours passed
     }
     if (view->distance > 0.0) {
         return view->has_passed ? vscale(-1.0, view->between) : view->between;
@@ -112,7 +119,8 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
                  .start_gap = vdot(before, reference) >= 0.0 ? vlength(before) : -vlength(before),
                  .thickness = keep.thickness,
                  .friction = keep.friction};
-    if (vdot(push.normal, outward) < CLEAR_SIDE) { // the cloth came from behind
+    if (!(vdot(reference, reference) > 0.0) ||
+        vdot(push.normal, outward) < CLEAR_SIDE) { // not yet, or the cloth came from behind
         return;
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));

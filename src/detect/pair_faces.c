@@ -275,6 +275,26 @@ static void add_obstacle_face(const PercalePairStage *stage, PercaleCollector *c
     note_side(collector, vertex->point, triangle, side);
 }
 
+/// Whether of the obstacle around the vertex nothing is nearer in that direction: else a vertex in the middle
+/// of a plane would push a rim that comes along away to the side.
+static bool is_foremost(const PercalePairStage *stage, const ObstacleVertex *vertex, Vec3 direction)
+{
+    const double LEVEL = 1e-3; // sine of the angle by which a plane may look tilted
+    const PercaleModelSurface *obstacle = vertex->obstacle;
+    const uint32_t *first = obstacle->vertex_first_face + (vertex->point - obstacle->first_point);
+    Vec3 tip = end_of(stage, vertex->point);
+    for (uint32_t i = first[0]; i < first[1]; i++) {
+        for (int k = 0; k < 3; k++) {
+            Vec3 side = vsub(
+                end_of(stage, obstacle->triangles[3 * (size_t)obstacle->vertex_faces[i] + (size_t)k]), tip);
+            if (vdot(direction, side) > LEVEL * vlength(side)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 /// In the region of an edge of the cloth, which is outside of the obstacle: along the line between the two.
 static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *collector,
                              const ObstacleVertex *vertex, const FaceView *view)
@@ -286,7 +306,8 @@ static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *co
     Vec3 between = combine(stage, view->points, push.weights, false);
     push.normal = vunit(between);
     if (vlength(between) > NO_DIRECTION * (double)view->keep.thickness &&
-        vdot(push.normal, vertex->outward) < -CLEAR_SIDE) {
+        vdot(push.normal, vertex->outward) < -CLEAR_SIDE &&
+        is_foremost(stage, vertex, vscale(-1.0, push.normal))) {
         push.start_gap = start_distance(stage, view->points);
         percale_pair_add(stage, collector, view->points, &push);
     }

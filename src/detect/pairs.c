@@ -46,6 +46,8 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
         if (!complete) {
             collector->complete = false;
         } else if (collector->neighbors.count > 0) {
+            uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
+            collector->source = group << 32 | run.item;
             find_item(kind, collector, run.item);
         }
     }

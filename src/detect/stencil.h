@@ -16,7 +16,10 @@ typedef struct PercaleStencil {
     float weights[4]; // multiples of 2^-24 with the exact sum 0
     f32x4 normal;     // unit; [3] is the target distance h, m
     f32x4 multiplier; // accumulated over a substep, kg m: friction vector and, in [3], the normal multiplier
+    f32x4 owed;       // m; slip of earlier substeps that friction has still to undo, along the surface
     float friction;   // Coulomb coefficient of the pair
+    float held;       // share of the friction wanted that the cone allowed last: 1 sticks, less slides
+    uint64_t source;  // group and item that it was found for, ascending along a pass (see carry.h)
 } PercaleStencil;
 
 /// Rounds barycentric coordinates to multiples of 2^-24 that sum to exactly 1: else momentum leaks 6e-8 a

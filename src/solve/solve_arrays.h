@@ -15,6 +15,7 @@ typedef struct PercaleSolveArrays {
     const PercaleModel *model;
     f32x4 *x;                      // predicted points
     const f32x4 *start;            // where they were when the substep began
+    f32x4 *velocity;               // new ones, once they are known: for percale_solve_contact_exit
     float dt;                      // s
     float *edge_multipliers;       // [edge_count] N s^2; NULL when no edge has a compliance
     const f32x4 *bend_weights;     // [hinge_count]; see percale_solve_bend_prepare
@@ -46,6 +47,11 @@ PercaleKernel percale_solve_tether;
 PercaleKernel percale_solve_seam;
 /// Contact stencils with Coulomb friction. Stencils may share points that can't move.
 PercaleKernel percale_solve_contact;
+/// After the last sweep: what of their slip the stencils [begin, end), in the order of the list, hand on to
+/// the next substep. Whether any of them opens so fast that percale_solve_contact_exit is worth while.
+bool percale_solve_contact_slips(const PercaleSolveArrays *arrays, uint32_t begin, uint32_t end);
+/// Takes the velocity away with which an overlap at the start was undone: a correction is no motion.
+PercaleKernel percale_solve_contact_exit;
 
 /// Every how many substeps bending needs to act, then that many times as strong (an impulse, as in multiple
 /// time stepping: Tuckerman et al. 1992): 1 where it is stiff, up to 20 where even so the fastest hinge turns

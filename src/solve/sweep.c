@@ -89,6 +89,18 @@ static void add_runs(Program *program, Kind *kind)
     }
 }
 
+bool percale_sweep_exits(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
+{
+    Kind contacts = {&plan->arrays, plan->contacts, percale_solve_contact_exit, GRAIN_CONTACTS};
+    Program program = {percale_arena_new(arena, plan->contacts->run_count, sizeof(PercalePhase)), 0};
+    if (program.phases == NULL) {
+        return false;
+    }
+    add_runs(&program, &contacts);
+    percale_team_run(team, program.phases, program.count);
+    return true;
+}
+
 bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
 {
     const PercaleSolveArrays *arrays = &plan->arrays;

@@ -25,4 +25,7 @@ typedef struct PercaleSweepPlan {
 /// False without memory (the program's, in the arena).
 bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
+/// After the velocities are known: those of corrections are taken away. False without memory.
+bool percale_sweep_exits(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
+
 #endif
