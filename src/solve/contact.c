@@ -1,12 +1,16 @@
 #include "solve/solve_arrays.h"
 
+// No point is moved farther than this many times the violation: where only points of small weight can move
+// (the others are held), the lever would be as long as one likes.
+static const float LONGEST_LEVER = 4.0f;
+
 /// Two stencils with the points that they name, every scalar spread over its half.
 typedef struct Gathered {
     PercaleStencil *stencils[2]; // the same twice at the end of an odd number
     f32x8 x[4];
     f32x8 share[4]; // w_k a_k
     f32x8 a[4];
-    f32x8 weight; // sum w_k a_k^2
+    f32x8 weight; // sum w_k a_k^2, but for the longest lever
     f32x8 normal; // fourth components 0
     f32x8 target;
 } Gathered;
@@ -18,12 +22,15 @@ static inline Gathered gather(const PercaleSolveArrays *arrays, PercaleStencil *
     f32x4 weights_high = {high->weights[0], high->weights[1], high->weights[2], high->weights[3]};
     f32x8 weights = pair_of_points(weights_low, weights_high);
     f32x8 a[4] = {SPREAD(weights, 0), SPREAD(weights, 1), SPREAD(weights, 2), SPREAD(weights, 3)};
+    f32x8 farthest = all8(0.0f);
     for (int k = 0; k < 4; k++) {
         gathered.x[k] = pair_of_points(arrays->x[low->points[k]], arrays->x[high->points[k]]);
         gathered.a[k] = a[k];
         gathered.share[k] = SPREAD(gathered.x[k], 3) * a[k];
         gathered.weight += gathered.share[k] * a[k];
+        farthest = max8(farthest, max8(gathered.share[k], -gathered.share[k]));
     }
+    gathered.weight = max8(gathered.weight, farthest / LONGEST_LEVER);
     f32x8 normal = pair_of_points(low->normal, high->normal);
     gathered.normal = without_w(normal);
     gathered.target = SPREAD(normal, 3);
