@@ -59,9 +59,13 @@ static Vec3 at(const PercaleModel *model, uint32_t point)
     return vec3_of(model->predicted[point]);
 }
 
-static PercaleClosest closest_of(const PercaleModel *model, uint32_t vertex, const uint32_t *t)
+/// All features of a triangle that are closest; their number.
+static int closest_of(const PercaleModel *model, uint32_t vertex, const uint32_t *t,
+                      PercaleClosest closest[CLOSEST_MOST])
 {
-    return percale_closest_on_triangle(at(model, vertex), at(model, t[0]), at(model, t[1]), at(model, t[2]));
+    const Vec3 x[4] = {at(model, vertex), at(model, t[0]), at(model, t[1]), at(model, t[2])};
+    closest[0] = percale_closest_on_triangle(x[0], x[1], x[2], x[3]);
+    return percale_closest_features(x[0], x[1], x[2], x[3], closest);
 }
 
 /// Which corners of a triangle its closest point belongs to: all, two or one.
@@ -97,11 +101,17 @@ static bool all_agree(const PercaleModel *model, const Pair *pair)
         if (!around) {
             continue;
         }
-        Pair here = feature_pair(pair->a[0], corners, closest_of(model, pair->a[0], corners).region);
-        sort_points(here.b);
+        PercaleClosest closest[CLOSEST_MOST];
+        int count = closest_of(model, pair->a[0], corners, closest);
         Pair sorted = *pair;
         sort_points(sorted.b);
-        if (has(corners, pair->a[0]) || memcmp(here.b, sorted.b, sizeof(here.b)) != 0) {
+        bool says = false;
+        for (int i = 0; i < count; i++) {
+            Pair here = feature_pair(pair->a[0], corners, closest[i].region);
+            sort_points(here.b);
+            says = says || memcmp(here.b, sorted.b, sizeof(here.b)) == 0;
+        }
+        if (has(corners, pair->a[0]) || !says) {
             return false;
         }
     }
@@ -158,16 +168,15 @@ static void list_vertex_pairs(const PercaleModel *model, double reach, PairList 
             if (has(corners, vertex)) {
                 continue;
             }
-            PercaleClosest closest = closest_of(model, vertex, corners);
-            Pair pair = feature_pair(vertex, corners, closest.region);
-            if (closest.distance2 > reach * reach || !all_agree(model, &pair) ||
-                belongs_to_other(model, &pair) ||
-                !is_new(&found, percale_surface_feature_key(&surface, t, closest.region))) {
-                continue;
-            }
-            Pair shown = without_nothing(vertex, corners, &closest);
-            if (shown.b[2] != UINT32_MAX || closest.distance2 >= MEETING * MEETING) {
-                add_pair(list, shown);
+            PercaleClosest closest[CLOSEST_MOST];
+            int count = closest_of(model, vertex, corners, closest);
+            for (int i = 0; i < count; i++) {
+                Pair pair = feature_pair(vertex, corners, closest[i].region);
+                if (closest[i].distance2 <= reach * reach && closest[i].distance2 >= MEETING * MEETING &&
+                    all_agree(model, &pair) && !belongs_to_other(model, &pair) &&
+                    is_new(&found, percale_surface_feature_key(&surface, t, closest[i].region))) {
+                    add_pair(list, without_nothing(vertex, corners, &closest[i]));
+                }
             }
         }
     }
@@ -221,7 +230,7 @@ static void list_stencils(const PercaleModel *model, const PercaleStencilList *s
         for (int k = 0; k < 4; k++) {
             between = vadd(between, vscale((double)stencil->weights[k], at(model, stencil->points[k])));
         }
-        if (counts[1] == 3 || vlength(between) >= MEETING) {
+        if (vlength(between) >= MEETING) {
             add_pair(list, pair);
         }
     }

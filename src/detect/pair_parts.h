@@ -11,6 +11,12 @@
 // Below this share of the thickness the vector between two closest points has no direction left.
 static const double NO_DIRECTION = 1e-3;
 
+// Below this share of the thickness two features meet: what is between them is rounding.
+static const double MEETS = 1e-9;
+
+// A vertex is in a plane when its height is below this share of its distance: rounding.
+static const double IN_PLANE = 1e-14;
+
 // An obstacle's vertex or edge whose normal is nearly in the plane of the pair doesn't say which way is out.
 static const double CLEAR_SIDE = 0.1;
 
@@ -38,6 +44,12 @@ static inline bool keep_of_obstacle(const PercaleModel *model, uint32_t slot,
     return (a->mask & obstacle->mask) != 0;
 }
 
+/// Sewn to a line: no face.
+static inline bool is_line(const uint32_t *corners)
+{
+    return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+}
+
 // ---- where it is ----
 
 static inline Vec3 start_of(const PercalePairStage *stage, uint32_t point)
@@ -60,6 +72,18 @@ static inline Vec3 combine(const PercalePairStage *stage, const uint32_t points[
         sum = vadd(sum, vscale(weights[k], x));
     }
     return sum;
+}
+
+/// Of the plane of a triangle: 1 on its normal's side, -1 on the other, 0 when the height is below this share
+/// of the distance.
+static inline int side_of_plane(Vec3 point, const Vec3 corners[3], double share)
+{
+    Vec3 u = vsub(corners[1], corners[0]);
+    Vec3 v = vsub(corners[2], corners[0]);
+    Vec3 w = vsub(point, corners[0]);
+    double volume = vdot(vcross(u, v), w);
+    double least2 = share * share * vdot(u, u) * vdot(v, v) * vdot(w, w);
+    return volume * volume <= least2 ? 0 : volume > 0.0 ? 1 : -1;
 }
 
 // ---- what is looked for ----
