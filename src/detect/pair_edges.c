@@ -73,7 +73,7 @@ static Vec3 directed(const EdgeView *view, Vec3 reference, double thickness)
 /// than another.
 static Vec3 reference_of(const EdgeView *view, const PercalePairNote *note, Vec3 before, double thickness)
 {
-    if (note != NULL) {
+    if (note != NULL && !is_free(note)) {
         return vec3_of(note->normal);
     }
     if (view->distance > MEETS * thickness) {
@@ -85,11 +85,12 @@ static Vec3 reference_of(const EdgeView *view, const PercalePairNote *note, Vec3
 static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *collector,
                            const uint32_t edges[2], const uint32_t points[4], Keep keep, bool may_pass)
 {
+    const uint64_t key = edge_key(edges[0], edges[1]);
     EdgeView view = {.may_pass = may_pass};
-    if (!view_edges(stage, points, &keep, &view)) {
+    if (!view_edges(stage, points, &keep, &view) || is_born_crossed(stage, key)) {
         return;
     }
-    const PercalePairNote *note = percale_pair_find_note(stage->known, edge_key(edges[0], edges[1]));
+    const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     Vec3 before = start_between(&view);
     Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
     if (!(vdot(reference, reference) > 0.0)) {
@@ -103,8 +104,7 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
     memcpy(push.weights, view.weights, sizeof(push.weights));
     push.start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before);
     percale_pair_add(stage, collector, points, &push);
-    percale_collect_note(collector,
-                         (PercalePairNote){edge_key(edges[0], edges[1]), f32x4_of(push.normal, 0.0f)});
+    percale_collect_note(collector, (PercalePairNote){key, f32x4_of(push.normal, 0.0f)});
 }
 
 /// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.

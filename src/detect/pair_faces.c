@@ -20,7 +20,7 @@ static int side_of_neighbours(const PercalePairStage *stage, uint32_t vertex, ui
             uint32_t other = cloth->edges.sides[i];
             const PercalePairNote *note =
                 other != side ? percale_pair_find_note(known, face_key(vertex, other / 3)) : NULL;
-            if (note != NULL) {
+            if (note != NULL && !is_free(note)) {
                 int turned = cloth->triangles[other] == cloth->triangles[side] ? -1 : 1;
                 sum += turned * side_of_note(note);
             }
@@ -103,14 +103,12 @@ static int side_of(const PercalePairStage *stage, const FaceView *view, uint32_t
         return view->end_side;
     }
     const PercalePairNote *note = percale_pair_find_note(stage->known, face_key(view->points[0], triangle));
+    int now = view->start_side != 0 ? view->start_side : view->end_side;
     if (note != NULL) {
-        return side_of_note(note);
+        return is_free(note) ? now : side_of_note(note);
     }
     int known = side_of_neighbours(stage, view->points[0], triangle);
-    if (known != 0) {
-        return known;
-    }
-    return view->start_side != 0 ? view->start_side : view->end_side;
+    return known != 0 ? known : now;
 }
 
 /// Whether a vertex is in the region of a corner of the cloth, as each triangle around that says.
@@ -245,7 +243,8 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
         (void)keep_of(stage->model, vertex, cloth.mesh->triangles[3 * (size_t)feature.triangle], &keep);
         FaceView view = view_face(stage, vertex, feature.triangle, keep, false);
         view.closest = feature.closest;
-        if (region == REGION_FACE && view.end_side != 0) {
+        if (region == REGION_FACE && view.end_side != 0 &&
+            !is_born_crossed(stage, face_key(vertex, feature.triangle))) {
             const double *b = feature.closest.weights;
             const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
             add_face(stage, collector, &view, feature.triangle, view.end_side, weights);
@@ -274,7 +273,8 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
         const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
         bool above = view.closest.region == REGION_FACE;
-        if (view.side_scale > 0.0 && (view.has_passed || (above && near))) {
+        bool born = is_born_crossed(stage, face_key(vertex, triangle));
+        if (!born && view.side_scale > 0.0 && (view.has_passed || (above && near))) {
             int side = side_of(stage, &view, triangle);
             if (side != 0 && side != view.end_side) {
                 add_face(stage, collector, &view, triangle, side, above ? weights : view.passage.weights);

@@ -66,6 +66,13 @@ static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePass
     return !(vdot(outward, outward) > 0.0) || vdot(passage->normal, outward) > 0.0;
 }
 
+static bool is_free(const Kind *kind, uint32_t item, uint32_t primitive)
+{
+    const PercaleNoteList *known = kind->stage->known;
+    return known != NULL && kind->list->mesh == &kind->stage->model->cloth &&
+           percale_pairs_are_free(known, kind->hood.arity == 2, item, primitive);
+}
+
 static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query,
                          uint32_t item)
 {
@@ -76,7 +83,8 @@ static void find_passing(const Kind *kind, PercaleCollector *collector, const Pe
             kind->hood.primitives + (size_t)kind->hood.arity * collector->neighbors.items[i].index;
         uint32_t points[4] = {query->points[0], edges ? query->points[1] : corners[0], corners[edges ? 0 : 1],
                               corners[edges ? 1 : 2]};
-        if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0])) {
+        if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0]) ||
+            is_free(kind, item, collector->neighbors.items[i].index)) {
             continue;
         }
         Vec3 from[4];
