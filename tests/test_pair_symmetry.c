@@ -1,6 +1,8 @@
 // Pairs don't depend on how the scene is told: which way triangles wind, how vertices and triangles are
 // numbered, how the scene lies in space.
 
+#include "detect/coplanar.h"
+#include "detect/passage.h"
 #include "pairs_testing.h"
 
 #include <math.h>
@@ -14,6 +16,7 @@ enum { SIDE = 5, SHEETS = 2, SHEET = SIDE * SIDE, NAMES = SHEETS * SHEET, MOST_P
 static const float WIDTH = 0.125f;      // m
 static const float STEP = 0.125f / 16;  // m; of the grid, a quarter of an edge
 static const float THICKNESS = 0.0061f; // m; twice it is no distance on the grid
+static const float THICK = 0.0193f;     // m; more than half the way between neighbours
 
 /// Every vertex has a name: its number in the plain telling, over both sheets.
 typedef float Places[NAMES][3];
@@ -64,7 +67,7 @@ static void turn(int axis, const float x[3], float turned[3])
 /// Adds a sheet whose vertex v has the number place[v]. Slots follow the positions, so those are anywhere;
 /// the rest shape is the sheet.
 static PercaleCloth add_told(PercaleSolver *solver, const Telling *telling, const uint32_t *place,
-                             uint64_t *seed)
+                             float thickness, uint64_t *seed)
 {
     PercaleMesh flat = percale_test_sheet(SIDE, WIDTH);
     PercaleMesh mesh = percale_test_sheet(SIDE, WIDTH);
@@ -93,7 +96,7 @@ static PercaleCloth add_told(PercaleSolver *solver, const Telling *telling, cons
     PercaleClothDef def = percale_test_cloth_def(&mesh);
     def.positions = start;
     def.rest_positions = mesh.positions;
-    def.material.thickness = THICKNESS;
+    def.material.thickness = thickness;
     PercaleCloth cloth;
     PERCALE_TEST_OK(solver, percale_cloth_add(solver, &def, &cloth));
     percale_mesh_free(&flat);
@@ -101,7 +104,7 @@ static PercaleCloth add_told(PercaleSolver *solver, const Telling *telling, cons
     return cloth;
 }
 
-static void open_told(Told *told, const Telling *telling)
+static void open_told(Told *told, const Telling *telling, float thickness)
 {
     PercaleSolverDef def = percale_solver_def_default();
     def.self_collision = def.edge_edge = 1;
@@ -117,7 +120,7 @@ static void open_told(Told *told, const Telling *telling)
         if (telling->other_order) {
             shuffle(place[sheet], SHEET, &seed);
         }
-        (void)add_told(told->solver, telling, place[sheet], &seed);
+        (void)add_told(told->solver, telling, place[sheet], thickness, &seed);
     }
     PERCALE_TEST_OK(told->solver, percale_solver_prepare(told->solver));
     const PercaleModel *model = &told->solver->model;
@@ -321,13 +324,13 @@ static void tell_together(Told *tellings, Places *states, PairList lists[2], int
 
 typedef void Fill(Places *states, uint64_t *seed);
 
-static void run_rounds(Fill *fill, int rounds, uint64_t least)
+static void run_rounds(Fill *fill, float thickness, int rounds, uint64_t least)
 {
     Told *tellings = malloc(TELLING_COUNT * sizeof(Told));
     PairList *lists = malloc(2 * sizeof(PairList));
     Places *states = malloc(STATES * sizeof(Places));
     for (int t = 0; t < TELLING_COUNT; t++) {
-        open_told(&tellings[t], &TELLINGS[t]);
+        open_told(&tellings[t], &TELLINGS[t], thickness);
     }
     uint64_t seed = 7;
     uint64_t total = 0;
@@ -362,7 +365,7 @@ static void fill_crumpled(Places *states, uint64_t *seed)
 
 START_TEST(crumpled_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_crumpled, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_crumpled, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
 }
 END_TEST
 
@@ -384,7 +387,14 @@ static void fill_passing(Places *states, uint64_t *seed)
 
 START_TEST(sheets_that_pass_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_passing, PERCALE_SANITIZED ? 10 : 60, 300);
+    run_rounds(fill_passing, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 300);
+}
+END_TEST
+
+/// Pairs of the same neighbourhood keep less than the thickness.
+START_TEST(thick_sheets_have_the_same_pairs_however_they_are_told)
+{
+    run_rounds(fill_passing, THICK, PERCALE_SANITIZED ? 3 : 15, 300);
 }
 END_TEST
 
@@ -397,7 +407,7 @@ static void fill_gridded(Places *states, uint64_t *seed)
 
 START_TEST(sheets_on_a_grid_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_gridded, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_gridded, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
 }
 END_TEST
 
@@ -423,7 +433,7 @@ static void fill_flat(Places *states, uint64_t *seed)
 
 START_TEST(flat_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_flat, PERCALE_SANITIZED ? 10 : 60, 20);
+    run_rounds(fill_flat, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 20);
 }
 END_TEST
 
@@ -442,7 +452,28 @@ static void fill_collapsed(Places *states, uint64_t *seed)
 
 START_TEST(collapsed_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_collapsed, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_collapsed, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
+}
+END_TEST
+
+/// Halfway the triangle is a line, far from the vertex: no passage, whichever corner is the first.
+START_TEST(a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on)
+{
+    const Vec3 from[4] = {{-1, -4, 4}, {-6, -6, 3}, {-6, -1, 6}, {-6, 1, 6}};
+    const Vec3 to[4] = {{-2, -4, 5}, {-8, -6, 4}, {-8, -1, 6}, {-8, -1, 7}};
+    const int ORDERS[6][3] = {{1, 2, 3}, {2, 3, 1}, {3, 1, 2}, {1, 3, 2}, {3, 2, 1}, {2, 1, 3}};
+    for (int i = 0; i < 6; i++) {
+        Vec3 a[4] = {from[0]};
+        Vec3 b[4] = {to[0]};
+        double times[3];
+        for (int k = 0; k < 3; k++) {
+            a[1 + k] = from[ORDERS[i][k]];
+            b[1 + k] = to[ORDERS[i][k]];
+        }
+        PercalePassage passage;
+        ck_assert_int_eq(percale_coplanar_times(a, b, times), 1);
+        ck_assert_msg(!percale_vertex_passes(a, b, &passage), "order %d", i);
+    }
 }
 END_TEST
 
@@ -456,6 +487,8 @@ int main(void)
     tcase_add_test(symmetry, sheets_on_a_grid_have_the_same_pairs_however_they_are_told);
     tcase_add_test(symmetry, flat_sheets_have_the_same_pairs_however_they_are_told);
     tcase_add_test(symmetry, collapsed_sheets_have_the_same_pairs_however_they_are_told);
+    tcase_add_test(symmetry, thick_sheets_have_the_same_pairs_however_they_are_told);
+    tcase_add_test(symmetry, a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on);
     suite_add_tcase(suite, symmetry);
     return percale_test_run(suite);
 }
