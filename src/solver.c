@@ -347,6 +347,7 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     }
     if (complete && model->cloth.triangle_count > 0) {
         bool edges = solver->def.edge_edge != 0;
+        solver->may_be_crossed = true;
         complete = percale_candidates_create(&solver->candidates, model, solver->def.self_collision != 0,
                                              edges, edges && solver->def.vertex_face != 0, memory);
     }

@@ -267,6 +267,7 @@ static bool detect_pairs(Substep *substep)
                               .known = &solver->notes[0],
                               .later_substeps = later_substeps(&solver->def),
                               .dt = substep->dt,
+                              .may_be_crossed = solver->may_be_crossed,
                               .team = substep->team};
     PercalePairCounts counts = {0};
     bool complete =
@@ -278,6 +279,8 @@ static bool detect_pairs(Substep *substep)
     solver->counters.candidates += counts.candidates;
     solver->counters.stencils_vf += counts.vertex_face;
     solver->counters.stencils_ee += counts.edge_edge;
+    solver->counters.born_crossed += counts.born_crossed;
+    solver->may_be_crossed = counts.free_pairs > 0;
     return complete;
 }
 
@@ -517,6 +520,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .candidates = &solver->candidates,
                                    .proximities = solver->proximities,
                                    .obstacles = solver->def.vertex_face != 0,
+                                   .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
                                    .dt = substep->dt,
                                    .collectors = &solver->collectors,
                                    .passing = &solver->passing,
@@ -527,6 +531,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
     solver->counters.candidates += counts.candidates;
     solver->counters.truncated += counts.pushed;
     solver->counters.left_crossed += counts.left;
+    solver->may_be_crossed = solver->may_be_crossed || counts.left > 0;
     *corrected += counts.pushed;
     return complete;
 }

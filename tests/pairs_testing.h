@@ -21,8 +21,12 @@ static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, c
     candidates->obstacles = obstacles;
     ck_assert(percale_candidates_find(candidates, places, 2, &solver->collectors, &solver->detect_memory,
                                       alone, &counts.candidates));
-    PercalePairStage stage = {
-        .model = model, .candidates = candidates, .known = known, .dt = 1e-3f, .team = alone};
+    PercalePairStage stage = {.model = model,
+                              .candidates = candidates,
+                              .known = known,
+                              .dt = 1e-3f,
+                              .may_be_crossed = true,
+                              .team = alone};
     solver->stencils.count = 0;
     ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                  &solver->notes[1], &counts));

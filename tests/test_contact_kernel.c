@@ -100,6 +100,16 @@ static PercaleSolveArrays contact_arrays(Contact *contact, f32x4 x[POINTS], cons
         .x = x, .start = start, .dt = 1e-3f, .stencils = &contact->stencil, .stencil_order = &ORDER};
 }
 
+/// The mobility that would move the point with the longest lever by four times the violation.
+static double longest_lever(const f32x4 x[POINTS], const Vec3 gradient[POINTS])
+{
+    double longest = 0.0;
+    for (int k = 0; k < POINTS; k++) {
+        longest = fmax(longest, 0.25 * (double)x[k][3] * vlength(gradient[k]));
+    }
+    return longest;
+}
+
 START_TEST(contact_moves_along_its_gradient_onto_its_distance)
 {
     uint64_t seed = 6;
@@ -117,7 +127,7 @@ START_TEST(contact_moves_along_its_gradient_onto_its_distance)
         memcpy(x, contact.x, sizeof(x));
         PercaleSolveArrays arrays = contact_arrays(&contact, x, contact.x);
         percale_solve_contact(&arrays, 0, 1);
-        double stiffness = mobility(contact.x, gradient);
+        double stiffness = fmax(mobility(contact.x, gradient), longest_lever(contact.x, gradient));
         expect_moved_along((const f32x4 *)contact.x, (const f32x4 *)x, (const Vec3 *)gradient,
                            stiffness > 0.0 ? 0.05 / stiffness : 0.0);
     }
@@ -420,6 +430,29 @@ START_TEST(anchors_pass_to_the_same_points_else_to_the_same_surface)
 }
 END_TEST
 
+/// A vertex that is held lies 1 mm too deep below a face of which only one corner is free, and that hardly
+/// counts.
+START_TEST(a_contact_far_from_what_can_move_is_no_lever)
+{
+    const float WEIGHTS[] = {0.5f, 0.25f, 0.125f, 0x1p-10f, 0x1p-24f};
+    for (size_t i = 0; i < sizeof(WEIGHTS) / sizeof(WEIGHTS[0]); i++) {
+        float weight = WEIGHTS[i];
+        Contact contact = {.stencil = {.points = {0, 1, 2, 3},
+                                       .weights = {1.0f, weight - 1.0f, -weight, 0.0f},
+                                       .normal = {0.0f, 0.0f, 1.0f, 0.002f}}};
+        f32x4 start[POINTS] = {{0.0f, 0.0f, 0.001f, 0.0f},
+                               {0.0f, 0.0f, 0.0f, 0.0f},
+                               {1.0f, 0.0f, 0.0f, 3.0f},
+                               {0.0f, 1.0f, 0.0f, 0.0f}};
+        f32x4 x[POINTS];
+        memcpy(x, start, sizeof(x));
+        PercaleSolveArrays arrays = contact_arrays(&contact, x, start);
+        percale_solve_contact(&arrays, 0, 1);
+        expect_near(x[2][2], weight >= 0.25f ? -0.001f / weight : -0.004f);
+    }
+}
+END_TEST
+
 // ---- what undoes an overlap ----
 
 /// A vertex that was `overlap` too low and rises at `speed` once it has been lifted; it rose at `before`
@@ -487,6 +520,7 @@ int main(void)
     TCase *contact = tcase_create("contact");
     tcase_add_test(contact, contact_stencils_are_the_gradient_of_the_distance);
     tcase_add_test(contact, contact_moves_along_its_gradient_onto_its_distance);
+    tcase_add_test(contact, a_contact_far_from_what_can_move_is_no_lever);
     tcase_add_test(contact, contact_keeps_momentum);
     tcase_add_test(contact, a_contact_that_keeps_its_distance_does_nothing);
     tcase_add_test(contact, a_contact_that_nobody_can_yield_to_does_nothing);

@@ -59,9 +59,13 @@ static Vec3 at(const PercaleModel *model, uint32_t point)
     return vec3_of(model->predicted[point]);
 }
 
-static PercaleClosest closest_of(const PercaleModel *model, uint32_t vertex, const uint32_t *t)
+/// All features of a triangle that are closest; their number.
+static int closest_of(const PercaleModel *model, uint32_t vertex, const uint32_t *t,
+                      PercaleClosest closest[CLOSEST_MOST])
 {
-    return percale_closest_on_triangle(at(model, vertex), at(model, t[0]), at(model, t[1]), at(model, t[2]));
+    const Vec3 x[4] = {at(model, vertex), at(model, t[0]), at(model, t[1]), at(model, t[2])};
+    closest[0] = percale_closest_on_triangle(x[0], x[1], x[2], x[3]);
+    return percale_closest_features(x[0], x[1], x[2], x[3], closest);
 }
 
 /// Which corners of a triangle its closest point belongs to: all, two or one.
@@ -97,11 +101,17 @@ static bool all_agree(const PercaleModel *model, const Pair *pair)
         if (!around) {
             continue;
         }
-        Pair here = feature_pair(pair->a[0], corners, closest_of(model, pair->a[0], corners).region);
-        sort_points(here.b);
+        PercaleClosest closest[CLOSEST_MOST];
+        int count = closest_of(model, pair->a[0], corners, closest);
         Pair sorted = *pair;
         sort_points(sorted.b);
-        if (has(corners, pair->a[0]) || memcmp(here.b, sorted.b, sizeof(here.b)) != 0) {
+        bool says = false;
+        for (int i = 0; i < count; i++) {
+            Pair here = feature_pair(pair->a[0], corners, closest[i].region);
+            sort_points(here.b);
+            says = says || memcmp(here.b, sorted.b, sizeof(here.b)) == 0;
+        }
+        if (has(corners, pair->a[0]) || !says) {
             return false;
         }
     }
@@ -147,6 +157,54 @@ static bool belongs_to_other(const PercaleModel *model, const Pair *pair)
     return pair->b[1] == UINT32_MAX && pair->b[0] < pair->a[0] && all_agree(model, &turned);
 }
 
+/// Six times the volume of the tetrahedron of a triangle and a point; below rounding it is nothing.
+static int side_of(Vec3 a, Vec3 b, Vec3 c, Vec3 point)
+{
+    const double ROUNDED = 1e-18; // m^3
+    double volume = vdot(vsub(point, a), vcross(vsub(b, a), vsub(c, a)));
+    return (volume > ROUNDED) - (volume < -ROUNDED);
+}
+
+static bool do_cross(const PercaleModel *model, const uint32_t *edge, const uint32_t *t)
+{
+    Vec3 p = at(model, edge[0]);
+    Vec3 q = at(model, edge[1]);
+    int counts[2] = {0, 0}; // of sides that the edge passes on their left, and right
+    for (uint32_t k = 0; k < 3; k++) {
+        int turn = side_of(p, q, at(model, t[k]), at(model, t[next_corner(k)]));
+        counts[0] += turn >= 0;
+        counts[1] += turn <= 0;
+    }
+    bool apart = side_of(at(model, t[0]), at(model, t[1]), at(model, t[2]), p) *
+                     side_of(at(model, t[0]), at(model, t[1]), at(model, t[2]), q) <
+                 0;
+    return apart && (counts[0] == 3 || counts[1] == 3) && !has(t, edge[0]) && !has(t, edge[1]);
+}
+
+/// A vertex and a face begin crossed where an edge from the vertex goes through the face.
+static bool are_vertex_and_face_crossed(const PercaleModel *model, uint32_t vertex, const uint32_t *t)
+{
+    const PercaleEdges *edges = &model->cloth.edges;
+    bool crossed = false;
+    for (uint32_t e = 0; e < edges->edge_count; e++) {
+        const uint32_t *edge = edges->vertices[e];
+        crossed = crossed || ((edge[0] == vertex || edge[1] == vertex) && do_cross(model, edge, t));
+    }
+    return crossed;
+}
+
+/// Two edges do where one goes through a face that the other is a side of.
+static bool are_edges_crossed(const PercaleModel *model, const uint32_t *a, const uint32_t *b)
+{
+    bool crossed = false;
+    for (uint32_t i = 0; i < model->triangle_count; i++) {
+        const uint32_t *t = model->triangles[i];
+        crossed = crossed || (has(t, a[0]) && has(t, a[1]) && do_cross(model, b, t)) ||
+                  (has(t, b[0]) && has(t, b[1]) && do_cross(model, a, t));
+    }
+    return crossed;
+}
+
 static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
 {
     PercaleSurface surface = {&model->cloth, NULL, model->predicted};
@@ -158,16 +216,18 @@ static void list_vertex_pairs(const PercaleModel *model, double reach, PairList 
             if (has(corners, vertex)) {
                 continue;
             }
-            PercaleClosest closest = closest_of(model, vertex, corners);
-            Pair pair = feature_pair(vertex, corners, closest.region);
-            if (closest.distance2 > reach * reach || !all_agree(model, &pair) ||
-                belongs_to_other(model, &pair) ||
-                !is_new(&found, percale_surface_feature_key(&surface, t, closest.region))) {
-                continue;
-            }
-            Pair shown = without_nothing(vertex, corners, &closest);
-            if (shown.b[2] != UINT32_MAX || closest.distance2 >= MEETING * MEETING) {
-                add_pair(list, shown);
+            PercaleClosest closest[CLOSEST_MOST];
+            int count = closest_of(model, vertex, corners, closest);
+            for (int i = 0; i < count; i++) {
+                Pair pair = feature_pair(vertex, corners, closest[i].region);
+                bool crossed =
+                    closest[i].region == REGION_FACE && are_vertex_and_face_crossed(model, vertex, corners);
+                if (!crossed && closest[i].distance2 <= reach * reach &&
+                    closest[i].distance2 >= MEETING * MEETING && all_agree(model, &pair) &&
+                    !belongs_to_other(model, &pair) &&
+                    is_new(&found, percale_surface_feature_key(&surface, t, closest[i].region))) {
+                    add_pair(list, without_nothing(vertex, corners, &closest[i]));
+                }
             }
         }
     }
@@ -193,7 +253,7 @@ static void list_edge_pairs(const PercaleModel *model, double reach, PairList *l
             }
             double distance = percale_edge_edge_closest((const double(*)[3])x, weights);
             bool inside = weights[0] > 1e-6 && weights[1] > 1e-6 && weights[2] < -1e-6 && weights[3] < -1e-6;
-            if (inside && distance >= MEETING && distance <= reach) {
+            if (inside && distance >= MEETING && distance <= reach && !are_edges_crossed(model, a, b)) {
                 add_pair(list, (Pair){{a[0], a[1], UINT32_MAX}, {b[0], b[1], UINT32_MAX}});
             }
         }
@@ -221,7 +281,7 @@ static void list_stencils(const PercaleModel *model, const PercaleStencilList *s
         for (int k = 0; k < 4; k++) {
             between = vadd(between, vscale((double)stencil->weights[k], at(model, stencil->points[k])));
         }
-        if (counts[1] == 3 || vlength(between) >= MEETING) {
+        if (vlength(between) >= MEETING) {
             add_pair(list, pair);
         }
     }

@@ -215,8 +215,9 @@ typedef struct PercaleProfile {
     X(overflow)             \
     X(last_crossed_frame)
 
-/// Work done since the solver was created. colors_max: the most colours that contacts needed; overflow:
-/// contacts that fitted into none; counters of features that this version does not have stay 0.
+/// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and nothing
+/// tells how that came (looked for where edge_edge is 1); colors_max: the most colours that contacts needed;
+/// overflow: contacts that fitted into none; counters of features that this version does not have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;
     PERCALE_COUNTERS(PERCALE_COUNTER_FIELD)

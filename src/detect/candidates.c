@@ -397,21 +397,24 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
     return true;
 }
 
-/// Whether an open seam will make one point of two of their vertices: then they are as good as joined, and
-/// would only keep the seam from closing.
+bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t points[2], const uint32_t *corners,
+                                 uint32_t corner_count)
+{
+    bool sewn = false;
+    for (uint32_t corner = 0; model->open_seam_count > 0 && corner < corner_count; corner++) {
+        sewn = sewn || !(near_distance(&model->near, points[0], corners[corner]) > 0.0f) ||
+               !(near_distance(&model->near, points[1], corners[corner]) > 0.0f);
+    }
+    return sewn;
+}
+
 static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t primitive)
 {
     const PercaleModel *model = search->candidates->model;
-    if (model->open_seam_count == 0 || search->list->mesh != &model->cloth) {
-        return false;
-    }
-    const uint32_t *corners = search->hood.primitives + (size_t)search->hood.arity * primitive;
-    bool sewn = false;
-    for (uint32_t corner = 0; corner < search->hood.arity; corner++) {
-        sewn = sewn || !(near_distance(&model->near, query->points[0], corners[corner]) > 0.0f) ||
-               !(near_distance(&model->near, query->points[1], corners[corner]) > 0.0f);
-    }
-    return sewn;
+    uint32_t arity = search->hood.arity;
+    return search->list->mesh == &model->cloth &&
+           percale_candidates_are_sewn(model, query->points,
+                                       search->hood.primitives + (size_t)arity * primitive, arity);
 }
 
 /// Keeps the neighbours of an item, ascending.

@@ -62,6 +62,11 @@ bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *
 /// What a list's items are asked against, on the way from the model's position to its predicted one.
 PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list);
 
+/// Whether an open seam will make one point of two vertices of two features of the cloth: then they are as
+/// good as joined, and would only keep the seam from closing. `points`: a vertex twice or an edge.
+bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t points[2], const uint32_t *corners,
+                                 uint32_t corner_count);
+
 /// Whether a point (of the cloth or an obstacle) collides with a vertex of the cloth.
 bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t point, uint32_t slot);
 

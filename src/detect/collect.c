@@ -94,6 +94,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
                      PercaleCollectors *collectors, PercaleMemory *memory, const PercaleCollected *to)
 {
     collectors->candidates = 0;
+    collectors->born_crossed = 0;
     int thread_count = threads_for(item_count * ITEM_WORK, percale_team_size(team));
     int share_count = thread_count > 1 ? SHARES_PER_THREAD * thread_count : 1;
     share_count = share_count < PERCALE_MAX_THREADS ? share_count : PERCALE_MAX_THREADS;
@@ -104,6 +105,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
         share->pairs.count = 0;
         share->memory = (PercaleMemory){memory->allocator, 0};
         share->candidates = 0;
+        share->born_crossed = 0;
         share->complete = true;
     }
     Collection collection = {find, context, collectors, item_count, (uint64_t)share_count};
@@ -113,6 +115,7 @@ bool percale_collect(PercaleTeam *team, uint64_t item_count, PercaleFind *find, 
         const PercaleCollector *share = &collectors->shares[s];
         memory->bytes += share->memory.bytes;
         collectors->candidates += share->candidates;
+        collectors->born_crossed += share->born_crossed;
         complete = complete && share->complete && append_share(memory, share, to);
     }
     return complete;

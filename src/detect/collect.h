@@ -21,7 +21,8 @@ typedef struct PercaleStencilList {
 /// What is kept of a pair from one pass to the next: its side.
 typedef struct PercalePairNote {
     uint64_t key; // kind and the two features
-    f32x4 normal; // of an edge pair; of a vertex and a face [3] is the side, +1 or -1
+    f32x4 normal; // of an edge pair; of a vertex and a face [3] is the side, +1 or -1; zero: it was born
+                  // crossed and belongs nowhere
 } PercalePairNote;
 
 typedef struct PercaleNoteList {
@@ -39,14 +40,16 @@ typedef struct PercaleCollector {
     PercaleNoteList notes;
     PercaleItemPairList pairs;
     PercaleMemory memory;
-    uint64_t source;     // of the stencils that are found now
-    uint64_t candidates; // pairs looked at
-    bool complete;       // there was memory
+    uint64_t source;       // of the stencils that are found now
+    uint64_t candidates;   // pairs looked at
+    uint64_t born_crossed; // edges and faces
+    bool complete;         // there was memory
 } PercaleCollector;
 
 typedef struct PercaleCollectors {
     PercaleCollector shares[PERCALE_MAX_THREADS];
-    uint64_t candidates; // pairs that the last call has looked at
+    uint64_t candidates;   // pairs that the last call has looked at
+    uint64_t born_crossed; // of it, too
 } PercaleCollectors;
 
 /// Finds the stencils of the items [first, end).

@@ -2,6 +2,9 @@
 
 #include <stdbool.h>
 
+// Share of the product of three lengths that their triple product may be off by: a few roundings.
+static const double ROUNDING = 1e-14;
+
 static double triple(Vec3 a, Vec3 b, Vec3 c)
 {
     return vdot(a, vcross(b, c));
@@ -11,6 +14,12 @@ static double triple(Vec3 a, Vec3 b, Vec3 c)
 static double cubic_at(const double c[4], double t)
 {
     return ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
+}
+
+/// -1 or 1; 0: zero, as far as rounding lets one see.
+static int sign_of(double value, double rounding)
+{
+    return (value > rounding) - (value < -rounding);
 }
 
 /// The root between two ends where the cubic has different signs, by bisection: it never leaves the interval.
@@ -69,14 +78,22 @@ int percale_coplanar_times(const Vec3 *from, const Vec3 *to, double times[3])
                          triple(v[0], x[1], x[2]) + triple(x[0], v[1], x[2]) + triple(x[0], x[1], v[2]),
                          triple(x[0], v[1], v[2]) + triple(v[0], x[1], v[2]) + triple(v[0], v[1], x[2]),
                          triple(v[0], v[1], v[2])};
+    double rounding = ROUNDING;
+    for (int k = 0; k < 3; k++) {
+        rounding *= vlength(x[k]) + vlength(v[k]);
+    }
     double ends[4] = {0.0, 1.0, 1.0, 1.0};
     int pieces = turning_points(c, ends + 1) + 1;
     ends[pieces] = 1.0;
     int count = 0;
-    for (int i = 0; i < pieces; i++) {
-        if ((cubic_at(c, ends[i]) >= 0.0) != (cubic_at(c, ends[i + 1]) >= 0.0)) {
-            times[count++] = root_between(c, ends[i], ends[i + 1]);
+    int last = 0; // the last end that is not in the plane
+    for (int i = 1; i <= pieces; i++) {
+        int before = sign_of(cubic_at(c, ends[last]), rounding);
+        int here = sign_of(cubic_at(c, ends[i]), rounding);
+        if (before * here < 0) {
+            times[count++] = root_between(c, ends[last], ends[i]);
         }
+        last = here != 0 ? i : last;
     }
     return count;
 }

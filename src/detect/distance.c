@@ -10,6 +10,10 @@ static const double PARALLEL = 1e-14;
 // give way to the normal, whose rounding grows with 1 / sin
 static const double THIN = 1e-4;
 
+// squared distances to the features of a triangle without area that differ by less than this share of its
+// squared size are the same
+static const double ALIKE = 1e-12;
+
 static PercaleClosest closest(double u, double v, double w, PercaleRegion region)
 {
     return (PercaleClosest){0.0, {u, v, w}, region};
@@ -31,20 +35,27 @@ static double nearest_parameter(Vec3 point, Vec3 a, Vec3 b)
     return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
 }
 
+/// Closest point of side k of a triangle.
+static PercaleClosest closest_on_side(Vec3 point, const Vec3 corners[3], int k)
+{
+    int next = k == 2 ? 0 : k + 1;
+    double t = nearest_parameter(point, corners[k], corners[next]);
+    PercaleClosest side = {0.0, {0.0, 0.0, 0.0}, (PercaleRegion)(REGION_SIDE_0 + k)};
+    side.weights[k] = 1.0 - t;
+    side.weights[next] = t;
+    if (t <= 0.0 || t >= 1.0) {
+        side.region = (PercaleRegion)(REGION_CORNER_0 + (t <= 0.0 ? k : next));
+    }
+    side.distance2 = distance2_at(point, corners[0], corners[1], corners[2], side.weights);
+    return side;
+}
+
 /// A triangle without area counts as its three sides.
 static PercaleClosest closest_on_sides(Vec3 point, const Vec3 corners[3])
 {
     PercaleClosest best = {HUGE_VAL, {1.0, 0.0, 0.0}, REGION_CORNER_0};
     for (int k = 0; k < 3; k++) {
-        int next = k == 2 ? 0 : k + 1;
-        double t = nearest_parameter(point, corners[k], corners[next]);
-        PercaleClosest side = {0.0, {0.0, 0.0, 0.0}, (PercaleRegion)(REGION_SIDE_0 + k)};
-        side.weights[k] = 1.0 - t;
-        side.weights[next] = t;
-        if (t <= 0.0 || t >= 1.0) {
-            side.region = (PercaleRegion)(REGION_CORNER_0 + (t <= 0.0 ? k : next));
-        }
-        side.distance2 = distance2_at(point, corners[0], corners[1], corners[2], side.weights);
+        PercaleClosest side = closest_on_side(point, corners, k);
         if (side.distance2 < best.distance2) {
             best = side;
         }
@@ -126,6 +137,38 @@ PercaleClosest percale_closest_on_triangle(Vec3 point, Vec3 a, Vec3 b, Vec3 c)
     PercaleClosest result = closest_by_region(point, a, b, c);
     result.distance2 = distance2_at(point, a, b, c, result.weights);
     return result;
+}
+
+static PercaleClosest closest_on_corner(Vec3 point, const Vec3 corners[3], int k)
+{
+    PercaleClosest corner = {0.0, {0.0, 0.0, 0.0}, (PercaleRegion)(REGION_CORNER_0 + k)};
+    corner.weights[k] = 1.0;
+    corner.distance2 = distance2_at(point, corners[0], corners[1], corners[2], corner.weights);
+    return corner;
+}
+
+int percale_closest_features(Vec3 point, Vec3 a, Vec3 b, Vec3 c, PercaleClosest closest[CLOSEST_MOST])
+{
+    Vec3 ab = vsub(b, a);
+    Vec3 ac = vsub(c, a);
+    Vec3 normal = vcross(ab, ac);
+    if (vdot(normal, normal) > PARALLEL * vdot(ab, ab) * vdot(ac, ac)) {
+        return 1;
+    }
+    const Vec3 corners[3] = {a, b, c};
+    double most = closest[0].distance2 + ALIKE * (vdot(ab, ab) + vdot(ac, ac));
+    int count = 0;
+    for (int k = 0; k < 3; k++) {
+        PercaleClosest corner = closest_on_corner(point, corners, k);
+        PercaleClosest side = closest_on_side(point, corners, k);
+        if (corner.distance2 <= most) {
+            closest[count++] = corner;
+        }
+        if (side.distance2 <= most && side.region < REGION_CORNER_0) {
+            closest[count++] = side;
+        }
+    }
+    return count;
 }
 
 static Vec3 load(const double x[3])

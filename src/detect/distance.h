@@ -24,4 +24,12 @@ typedef struct PercaleClosest {
 
 PercaleClosest percale_closest_on_triangle(Vec3 point, Vec3 a, Vec3 b, Vec3 c);
 
+/// A triangle without area may be nearest with several of its sides or corners at once: they lie on each
+/// other.
+enum { CLOSEST_MOST = 6 };
+
+/// All that are, where closest[0] is one of them; returns their number. Which they are does not depend on the
+/// order of the corners.
+int percale_closest_features(Vec3 point, Vec3 a, Vec3 b, Vec3 c, PercaleClosest closest[CLOSEST_MOST]);
+
 #endif

@@ -6,6 +6,9 @@
 // Closest points nearer to an end of their edge than this share of it belong to the end.
 static const double INSIDE = 1e-6;
 
+// Cosine below which two directions count as perpendicular: notes are float32.
+static const double PERPENDICULAR = 1e-6;
+
 /// Two edges over the substep.
 typedef struct EdgeView {
     Vec3 from[4], to[4];
@@ -54,43 +57,52 @@ static Vec3 start_between(const EdgeView *view)
     return weigh_points(view->from, weights);
 }
 
+/// Whether two directions are not opposite; perpendicular ones aren't, whichever way they are rounded.
+static bool do_agree(Vec3 a, Vec3 b)
+{
+    return vdot(a, b) >= -PERPENDICULAR * vlength(a) * vlength(b);
+}
+
 /// `reference` says which way the normal points. Without a direction between the edges it is the normal
 /// itself.
 static Vec3 directed(const EdgeView *view, Vec3 reference, double thickness)
 {
-    double sign = vdot(view->between, reference) >= 0.0 ? 1.0 : -1.0;
+    double sign = do_agree(view->between, reference) ? 1.0 : -1.0;
     return view->distance > NO_DIRECTION * thickness ? vscale(sign / view->distance, view->between)
                                                      : vunit(reference);
 }
 
 /// Which way the first edge belongs, seen from the second: as the note says; else as they were, which is as
-/// they are unless they have passed through each other.
-static Vec3 reference_of(const EdgeView *view, const PercalePairNote *note, Vec3 before)
+/// they are unless they have passed through each other. Zero where they have always met: no way out is better
+/// than another.
+static Vec3 reference_of(const EdgeView *view, const PercalePairNote *note, Vec3 before, double thickness)
 {
-    if (note != NULL) {
+    if (note != NULL && !is_free(note)) {
         return vec3_of(note->normal);
     }
-    if (!view->has_passed && vdot(before, view->between) < 0.0) {
+    bool met = !(vlength(before) > MEETS * thickness);
+    if (!(view->distance > MEETS * thickness)) {
+        return met ? (Vec3){0.0, 0.0, 0.0} : before;
+    }
+    if (!view->has_passed && !met && !do_agree(before, view->between)) {
         return (Vec3){0.0, 0.0, 0.0}; // they have changed sides where one of their neighbours passed
     }
-    if (view->distance > 0.0) {
-        return view->has_passed ? vscale(-1.0, view->between) : view->between;
-    }
-    return before;
+    return view->has_passed ? vscale(-1.0, view->between) : view->between;
 }
 
 static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *collector,
                            const uint32_t edges[2], const uint32_t points[4], Keep keep, bool may_pass)
 {
+    const uint64_t key = edge_key(edges[0], edges[1]);
     EdgeView view = {.may_pass = may_pass};
-    if (!view_edges(stage, points, &keep, &view)) {
+    if (!view_edges(stage, points, &keep, &view) || is_born_crossed(stage, key)) {
         return;
     }
-    const PercalePairNote *note = percale_pair_find_note(stage->known, edge_key(edges[0], edges[1]));
+    const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     Vec3 before = start_between(&view);
-    Vec3 reference = reference_of(&view, note, before);
+    Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
     if (!(vdot(reference, reference) > 0.0)) {
-        return; // they have always met: no way out is better than another
+        return;
     }
     Push push = {.edges = true,
                  .normal = directed(&view, reference, (double)keep.thickness),
@@ -98,10 +110,9 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
                      allowed(keep.thickness, percale_pair_rest_distance(stage, points, 2, points + 2, 2)),
                  .friction = keep.friction};
     memcpy(push.weights, view.weights, sizeof(push.weights));
-    push.start_gap = vdot(before, reference) >= 0.0 ? vlength(before) : -vlength(before);
+    push.start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before);
     percale_pair_add(stage, collector, points, &push);
-    percale_collect_note(collector,
-                         (PercalePairNote){edge_key(edges[0], edges[1]), f32x4_of(push.normal, 0.0f)});
+    percale_collect_note(collector, (PercalePairNote){key, f32x4_of(push.normal, 0.0f)});
 }
 
 /// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.
@@ -113,10 +124,11 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
         return;
     }
     Vec3 before = start_between(&view);
-    Vec3 reference = reference_of(&view, percale_pair_find_note(stage->known, key), before);
+    const PercalePairNote *note = percale_pair_find_note(stage->known, key);
+    Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
     Push push = {.edges = true,
                  .normal = directed(&view, reference, (double)keep.thickness),
-                 .start_gap = vdot(before, reference) >= 0.0 ? vlength(before) : -vlength(before),
+                 .start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before),
                  .thickness = keep.thickness,
                  .friction = keep.friction};
     if (!(vdot(reference, reference) > 0.0) ||

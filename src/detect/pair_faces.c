@@ -2,47 +2,45 @@
 
 #include <string.h>
 
-/// The side that is known of a vertex and a face, or of the vertex and a neighbour of the face: a vertex that
-/// slides on below the cloth stays below it. 0: none.
-static int known_side(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle)
+static int side_of_note(const PercalePairNote *note)
+{
+    return note->normal[3] > 0.0f ? 1 : -1;
+}
+
+/// The side that is known of a vertex and the neighbours of a face: a vertex that slides on below the cloth
+/// stays below it. 0: none, or the neighbours don't agree.
+static int side_of_neighbours(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle)
 {
     const PercaleNoteList *known = stage->known;
     const PercaleModelSurface *cloth = &stage->model->cloth;
-    const PercalePairNote *note = percale_pair_find_note(known, face_key(vertex, triangle));
-    if (note != NULL) {
-        return note->normal[3] > 0.0f ? 1 : -1;
-    }
+    int sum = 0;
     for (uint32_t side = 3 * triangle; known->count > 0 && side < 3 * triangle + 3; side++) {
         uint32_t edge = cloth->edges.edge_of_side[side];
         for (uint32_t i = cloth->edges.first_side[edge]; i < cloth->edges.first_side[edge + 1]; i++) {
             uint32_t other = cloth->edges.sides[i];
-            note = other != side ? percale_pair_find_note(known, face_key(vertex, other / 3)) : NULL;
-            if (note != NULL) {
+            const PercalePairNote *note =
+                other != side ? percale_pair_find_note(known, face_key(vertex, other / 3)) : NULL;
+            if (note != NULL && !is_free(note)) {
                 int turned = cloth->triangles[other] == cloth->triangles[side] ? -1 : 1;
-                return note->normal[3] > 0.0f ? turned : -turned;
+                sum += turned * side_of_note(note);
             }
         }
     }
-    return 0;
+    return (sum > 0) - (sum < 0);
 }
 
 /// A vertex seen from a face, over the substep.
 typedef struct FaceView {
     uint32_t points[4]; // the vertex, the triangle
     Keep keep;
-    PercaleClosest closest; // at the end
-    double distance;        // m
-    double side_scale;      // twice the triangle's area at the end, 0 without
-    Vec3 unit;              // its normal
-    int start_side, end_side;
-    bool has_passed; // through the inside of the face, on the way
+    PercaleClosest closest;   // at the end
+    double distance;          // m
+    double side_scale;        // twice the triangle's area at the end, 0 without
+    Vec3 unit;                // its normal
+    int start_side, end_side; // 0: in its plane
+    bool has_passed;          // through the inside of the face, on the way
     PercalePassage passage;
 } FaceView;
-
-static Vec3 area_of(const Vec3 corners[3])
-{
-    return vcross(vsub(corners[1], corners[0]), vsub(corners[2], corners[0]));
-}
 
 /// `may_pass`: else it is known that it hasn't gone through the face.
 static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32_t triangle, Keep keep,
@@ -58,13 +56,13 @@ static FaceView view_face(const PercalePairStage *stage, uint32_t vertex, uint32
     }
     view.closest = percale_closest_on_triangle(to[0], to[1], to[2], to[3]);
     view.distance = sqrt(view.closest.distance2);
-    Vec3 area[2] = {area_of(from + 1), area_of(to + 1)};
-    view.side_scale = vlength(area[1]);
-    view.unit = vunit(area[1]);
-    view.start_side = vdot(area[0], vsub(from[0], from[1])) >= 0.0 ? 1 : -1;
-    view.end_side = vdot(area[1], vsub(to[0], to[1])) >= 0.0 ? 1 : -1;
+    Vec3 area = vcross(vsub(to[2], to[1]), vsub(to[3], to[1]));
+    view.side_scale = vlength(area);
+    view.unit = vunit(area);
+    view.start_side = side_of_plane(from[0], from + 1, IN_PLANE);
+    view.end_side = side_of_plane(to[0], to + 1, IN_PLANE);
     view.has_passed =
-        may_pass && view.start_side != view.end_side && percale_vertex_passes(from, to, &view.passage);
+        may_pass && view.start_side * view.end_side < 0 && percale_vertex_passes(from, to, &view.passage);
     return view;
 }
 
@@ -98,14 +96,19 @@ static void add_face(const PercalePairStage *stage, PercaleCollector *collector,
 }
 
 /// The side that a vertex keeps to: as it is known; else that of the start. The path changes it only where it
-/// leads around the face.
+/// leads around the face. 0: it has always been in the face's plane.
 static int side_of(const PercalePairStage *stage, const FaceView *view, uint32_t triangle)
 {
-    if (view->start_side != view->end_side && !view->has_passed) {
+    if (view->start_side * view->end_side < 0 && !view->has_passed) {
         return view->end_side;
     }
-    int known = known_side(stage, view->points[0], triangle);
-    return known != 0 ? known : view->start_side;
+    const PercalePairNote *note = percale_pair_find_note(stage->known, face_key(view->points[0], triangle));
+    int now = view->start_side != 0 ? view->start_side : view->end_side;
+    if (note != NULL) {
+        return is_free(note) ? now : side_of_note(note);
+    }
+    int known = side_of_neighbours(stage, view->points[0], triangle);
+    return known != 0 ? known : now;
 }
 
 /// Whether a vertex is in the region of a corner of the cloth, as each triangle around that says.
@@ -114,57 +117,83 @@ static bool sees_corner(const PercalePairStage *stage, uint32_t vertex, uint32_t
     const PercaleModelSurface *cloth = &stage->model->cloth;
     for (uint32_t i = cloth->vertex_first_face[corner]; i < cloth->vertex_first_face[corner + 1]; i++) {
         const uint32_t *t = cloth->triangles + 3 * (size_t)cloth->vertex_faces[i];
-        PercaleClosest closest = percale_closest_on_triangle(end_of(stage, vertex), end_of(stage, t[0]),
-                                                             end_of(stage, t[1]), end_of(stage, t[2]));
-        if (closest.region < REGION_CORNER_0 || t[closest.region - REGION_CORNER_0] != corner) {
+        const Vec3 x[4] = {end_of(stage, vertex), end_of(stage, t[0]), end_of(stage, t[1]),
+                           end_of(stage, t[2])};
+        PercaleClosest closest[CLOSEST_MOST] = {percale_closest_on_triangle(x[0], x[1], x[2], x[3])};
+        int count = percale_closest_features(x[0], x[1], x[2], x[3], closest);
+        bool sees = false;
+        for (int k = 0; k < count; k++) {
+            sees = sees ||
+                   (closest[k].region >= REGION_CORNER_0 && t[closest[k].region - REGION_CORNER_0] == corner);
+        }
+        if (!sees) {
             return false;
         }
     }
     return true;
 }
 
-/// A vertex and an edge or a vertex: along the line between the closest points. The rim has no memory.
-static void add_rim(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view)
+/// The points of the feature that a region names.
+static int feature_of(const FaceView *view, uint32_t feature[3])
 {
     PercaleRegion region = view->closest.region;
-    if (region >= REGION_CORNER_0) { // a pair of vertices belongs to the first of them, if both see it
-        uint32_t corner = view->points[1 + (int)(region - REGION_CORNER_0)];
-        if (corner < view->points[0] && sees_corner(stage, corner, view->points[0])) {
+    if (region >= REGION_CORNER_0) {
+        feature[0] = view->points[1 + (uint32_t)(region - REGION_CORNER_0)];
+        return 1;
+    }
+    uint32_t side = (uint32_t)(region - REGION_SIDE_0);
+    feature[0] = view->points[1 + side];
+    feature[1] = view->points[1 + next_corner(side)];
+    return 2;
+}
+
+/// A vertex and an edge or a vertex: along the line between the closest points. The rim has no memory.
+/// `start`: distance of the vertex and the triangles around an edge when the substep began, m.
+static void add_rim(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
+                    double start)
+{
+    uint32_t feature[3];
+    int count = feature_of(view, feature);
+    if (count == 1) { // a pair of vertices belongs to the first of them, if both see it
+        if (feature[0] < view->points[0] && sees_corner(stage, feature[0], view->points[0])) {
             return;
         }
+        start = vlength(vsub(start_of(stage, view->points[0]), start_of(stage, feature[0])));
     }
     const double *b = view->closest.weights;
-    Push push = {false,
-                 {1.0, -b[0], -b[1], -b[2]},
-                 {0.0, 0.0, 0.0},
-                 start_distance(stage, view->points),
-                 allowed(view->keep.thickness,
-                         percale_pair_rest_distance(stage, view->points, 1, view->points + 1, 3)),
-                 view->keep.friction};
+    Push push = {
+        false,
+        {1.0, -b[0], -b[1], -b[2]},
+        {0.0, 0.0, 0.0},
+        start,
+        allowed(view->keep.thickness, percale_pair_rest_distance(stage, view->points, 1, feature, count)),
+        view->keep.friction};
     Vec3 between = combine(stage, view->points, push.weights, false);
     if (vlength(between) <= NO_DIRECTION * (double)view->keep.thickness) {
         between = combine(stage, view->points, push.weights, true);
     }
     push.normal = vunit(between);
-    if (vdot(push.normal, push.normal) > 0.0) {
+    if (vlength(between) > MEETS * (double)view->keep.thickness) {
         percale_pair_add(stage, collector, view->points, &push);
     }
 }
 
-/// Sewn to a line: no face.
-static bool is_line(const uint32_t *corners)
+/// Notes all features with which the triangle is closest.
+static void gather_features(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
+                            uint32_t triangle)
 {
-    return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
-}
-
-static void add_feature(PercaleCollector *collector, PercaleFeature feature)
-{
+    const uint32_t *points = view->points;
     PercaleFeatureList *list = &collector->features;
-    if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
-                               sizeof(feature))) {
-        list->items[list->count++] = feature;
-    } else {
+    if (!percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + CLOSEST_MOST,
+                                sizeof(list->items[0]))) {
         collector->complete = false;
+        return;
+    }
+    PercaleClosest closest[CLOSEST_MOST] = {view->closest};
+    int count = percale_closest_features(end_of(stage, points[0]), end_of(stage, points[1]),
+                                         end_of(stage, points[2]), end_of(stage, points[3]), closest);
+    for (int k = 0; k < count; k++) {
+        list->items[list->count++] = (PercaleFeature){triangle, closest[k]};
     }
 }
 
@@ -181,8 +210,23 @@ static size_t end_of_feature(const PercaleSurface *cloth, const PercaleFeatureLi
     return end;
 }
 
-/// Features in whose region the vertex is: faces, and edges and vertices of which all triangles say so.
-static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
+/// Distance of the vertex and the nearest of some triangles when the substep began, m.
+static double nearest_start(const PercalePairStage *stage, uint32_t vertex, const PercaleFeature *features,
+                            size_t count)
+{
+    double nearest = HUGE_VAL;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *t = stage->model->cloth.triangles + 3 * (size_t)features[i].triangle;
+        const uint32_t points[4] = {vertex, t[0], t[1], t[2]};
+        nearest = fmin(nearest, start_distance(stage, points));
+    }
+    return nearest;
+}
+
+/// Features in whose region the vertex is: faces, and edges and vertices of which all triangles say so; or
+/// vertices only.
+static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex,
+                         bool vertices_only)
 {
     PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->model->predicted};
     PercaleFeatureList *list = &collector->features;
@@ -191,24 +235,27 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
         PercaleFeature feature = list->items[first];
         PercaleRegion region = feature.closest.region;
         end = end_of_feature(&cloth, list, first);
-        if (end - first != percale_surface_face_count(&cloth, feature.triangle, region)) {
+        if (end - first != percale_surface_face_count(&cloth, feature.triangle, region) ||
+            (vertices_only && region < REGION_CORNER_0)) {
             continue;
         }
         Keep keep;
         (void)keep_of(stage->model, vertex, cloth.mesh->triangles[3 * (size_t)feature.triangle], &keep);
         FaceView view = view_face(stage, vertex, feature.triangle, keep, false);
-        if (region == REGION_FACE) {
+        view.closest = feature.closest;
+        if (region == REGION_FACE && view.end_side != 0 &&
+            !is_born_crossed(stage, face_key(vertex, feature.triangle))) {
             const double *b = feature.closest.weights;
             const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
             add_face(stage, collector, &view, feature.triangle, view.end_side, weights);
-        } else {
-            add_rim(stage, collector, &view);
+        } else if (region != REGION_FACE) {
+            add_rim(stage, collector, &view, nearest_start(stage, vertex, list->items + first, end - first));
         }
     }
 }
 
-/// A vertex of the cloth. While it is on the wrong side of a face it gets no other stencils: they would hold
-/// it there.
+/// A vertex of the cloth. While it is on the wrong side of a face it gets no stencils with other faces and
+/// edges: they would hold it there. (A pair of vertices belongs to the other as much.)
 void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex)
 {
     const PercaleModel *model = stage->model;
@@ -226,21 +273,19 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
         const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
         bool above = view.closest.region == REGION_FACE;
-        if (view.side_scale > 0.0 && (view.has_passed || (above && near))) {
+        bool born = is_born_crossed(stage, face_key(vertex, triangle));
+        if (!born && view.side_scale > 0.0 && (view.has_passed || (above && near))) {
             int side = side_of(stage, &view, triangle);
-            if (side != view.end_side) {
+            if (side != 0 && side != view.end_side) {
                 add_face(stage, collector, &view, triangle, side, above ? weights : view.passage.weights);
                 held = true;
-                continue;
             }
         }
         if (near) {
-            add_feature(collector, (PercaleFeature){triangle, view.closest});
+            gather_features(stage, collector, &view, triangle);
         }
     }
-    if (!held) {
-        add_features(stage, collector, vertex);
-    }
+    add_features(stage, collector, vertex, held);
 }
 
 // ---- obstacles ----
@@ -258,7 +303,7 @@ static void add_obstacle_face(const PercalePairStage *stage, PercaleCollector *c
 {
     double across = vdot(view->unit, vertex->outward);
     int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
-    if (fabs(across) < CLEAR_SIDE || side_of(stage, view, triangle) != side) { // the cloth came from behind
+    if (fabs(across) < CLEAR_SIDE || side_of(stage, view, triangle) == -side) { // the cloth came from behind
         return;
     }
     const double *b = view->closest.weights;
@@ -296,8 +341,9 @@ static bool is_foremost(const PercalePairStage *stage, const ObstacleVertex *ver
 }
 
 /// In the region of an edge of the cloth, which is outside of the obstacle: along the line between the two.
+/// `start`: as of add_rim.
 static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *collector,
-                             const ObstacleVertex *vertex, const FaceView *view)
+                             const ObstacleVertex *vertex, const FaceView *view, double start)
 {
     const double *b = view->closest.weights;
     Push push = {.weights = {1.0, -b[0], -b[1], -b[2]},
@@ -308,7 +354,7 @@ static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *co
     if (vlength(between) > NO_DIRECTION * (double)view->keep.thickness &&
         vdot(push.normal, vertex->outward) < -CLEAR_SIDE &&
         is_foremost(stage, vertex, vscale(-1.0, push.normal))) {
-        push.start_gap = start_distance(stage, view->points);
+        push.start_gap = start;
         percale_pair_add(stage, collector, view->points, &push);
     }
 }
@@ -323,15 +369,19 @@ static void add_obstacle_rims(const PercalePairStage *stage, PercaleCollector *c
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {
         PercaleFeature feature = list->items[first];
+        PercaleRegion region = feature.closest.region;
         end = end_of_feature(&cloth, list, first);
-        if (end - first != percale_surface_face_count(&cloth, feature.triangle, feature.closest.region)) {
+        if (region >= REGION_CORNER_0 ||
+            end - first != percale_surface_face_count(&cloth, feature.triangle, region)) {
             continue;
         }
         Keep keep;
         (void)keep_of_obstacle(stage->model, cloth.mesh->triangles[3 * (size_t)feature.triangle],
                                vertex->obstacle, &keep);
         FaceView view = view_face(stage, vertex->point, feature.triangle, keep, false);
-        add_obstacle_rim(stage, collector, vertex, &view);
+        view.closest = feature.closest;
+        add_obstacle_rim(stage, collector, vertex, &view,
+                         nearest_start(stage, vertex->point, list->items + first, end - first));
     }
 }
 
@@ -360,8 +410,8 @@ void percale_pair_find_obstacle_vertex(const PercalePairStage *stage, PercaleCol
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
         if (view.has_passed || (near && region == REGION_FACE)) {
             add_obstacle_face(stage, collector, &vertex, &view, triangle);
-        } else if (near && region < REGION_CORNER_0) {
-            add_feature(collector, (PercaleFeature){triangle, view.closest});
+        } else if (near) {
+            gather_features(stage, collector, &view, triangle);
         }
     }
     add_obstacle_rims(stage, collector, &vertex);

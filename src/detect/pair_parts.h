@@ -11,6 +11,12 @@
 // Below this share of the thickness the vector between two closest points has no direction left.
 static const double NO_DIRECTION = 1e-3;
 
+// Below this share of the thickness two features meet: what is between them is rounding.
+static const double MEETS = 1e-9;
+
+// A vertex is in a plane when its height is below this share of its distance: rounding.
+static const double IN_PLANE = 1e-14;
+
 // An obstacle's vertex or edge whose normal is nearly in the plane of the pair doesn't say which way is out.
 static const double CLEAR_SIDE = 0.1;
 
@@ -38,6 +44,17 @@ static inline bool keep_of_obstacle(const PercaleModel *model, uint32_t slot,
     return (a->mask & obstacle->mask) != 0;
 }
 
+static inline bool has_corner(const uint32_t *corners, uint32_t vertex)
+{
+    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
+}
+
+/// Sewn to a line: no face.
+static inline bool is_line(const uint32_t *corners)
+{
+    return corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+}
+
 // ---- where it is ----
 
 static inline Vec3 start_of(const PercalePairStage *stage, uint32_t point)
@@ -60,6 +77,18 @@ static inline Vec3 combine(const PercalePairStage *stage, const uint32_t points[
         sum = vadd(sum, vscale(weights[k], x));
     }
     return sum;
+}
+
+/// Of the plane of a triangle: 1 on its normal's side, -1 on the other, 0 when the height is below this share
+/// of the distance.
+static inline int side_of_plane(Vec3 point, const Vec3 corners[3], double share)
+{
+    Vec3 u = vsub(corners[1], corners[0]);
+    Vec3 v = vsub(corners[2], corners[0]);
+    Vec3 w = vsub(point, corners[0]);
+    double volume = vdot(vcross(u, v), w);
+    double least2 = share * share * vdot(u, u) * vdot(v, v) * vdot(w, w);
+    return volume * volume <= least2 ? 0 : volume > 0.0 ? 1 : -1;
 }
 
 // ---- what is looked for ----
@@ -103,6 +132,19 @@ static inline uint64_t obstacle_edge_key(uint32_t edge, uint32_t other)
 /// NULL: nothing is known of the pair.
 const PercalePairNote *percale_pair_find_note(const PercaleNoteList *known, uint64_t key);
 
+/// The pair was born crossed: no side is known of it.
+static inline bool is_free(const PercalePairNote *note)
+{
+    return note->normal[0] == 0.0f && note->normal[1] == 0.0f && note->normal[2] == 0.0f &&
+           note->normal[3] == 0.0f;
+}
+
+/// It was born crossed, and still is: nothing says where it belongs.
+static inline bool is_born_crossed(const PercalePairStage *stage, uint64_t key)
+{
+    return stage->born.count > 0 && percale_pair_find_note(&stage->born, key) != NULL;
+}
+
 /// Shortest way on the rest shape between the vertices of two features, m; a lower bound.
 float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *a, int a_count,
                                  const uint32_t *b, int b_count);
@@ -120,6 +162,10 @@ static inline float allowed(float thickness, float rest)
 /// where they face each other.
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
                           const uint32_t *faces, uint32_t count, uint32_t divisor);
+
+/// An edge of the cloth against the faces that it crosses when the substep begins: notes of the pairs that
+/// were born so.
+void percale_pair_find_crossings(const PercalePairStage *stage, PercaleCollector *collector, uint32_t edge);
 
 // ---- items, with what they may touch in the collector's list of neighbours ----
 

@@ -53,7 +53,16 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     }
 }
 
-/// By key, which is unique.
+/// Items: edges of the cloth.
+static void find_crossings(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+{
+    const PercalePairStage *stage = context;
+    for (uint64_t i = first; collector->complete && i < end; i++) {
+        percale_pair_find_crossings(stage, collector, (uint32_t)i);
+    }
+}
+
+/// By key.
 static bool sort_notes(PercaleNoteList *notes, PercaleMemory *memory)
 {
     PercaleKeyed *keyed = percale_memory_new(memory, notes->count, sizeof(keyed[0]));
@@ -78,19 +87,61 @@ static bool sort_notes(PercaleNoteList *notes, PercaleMemory *memory)
     return complete;
 }
 
-bool percale_pairs_find(const PercalePairStage *stage, PercaleCollectors *collectors, PercaleMemory *memory,
+/// Leaves one of those with the same key.
+static void drop_repeated(PercaleNoteList *notes)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < notes->count; i++) {
+        if (count == 0 || notes->items[i].key != notes->items[count - 1].key) {
+            notes->items[count++] = notes->items[i];
+        }
+    }
+    notes->count = count;
+}
+
+/// Notes of the pairs that were born crossed, which then stand alone in `notes`.
+static bool find_born(const PercalePairStage *stage, PercaleCollectors *collectors, PercaleMemory *memory,
+                      PercaleNoteList *notes, PercalePairCounts *counts)
+{
+    const PercaleModel *model = stage->model;
+    PercaleCandidates *candidates = stage->candidates;
+    notes->count = 0;
+    if (!stage->may_be_crossed || !candidates->cloth || candidates->edges.nodes == NULL) {
+        return true;
+    }
+    const f32x4 *places[1] = {model->position};
+    percale_tree_refit_swept(&candidates->faces, model->cloth.triangles, places, 1, stage->team);
+    bool complete = percale_collect(stage->team, model->cloth.edges.edge_count, find_crossings, stage,
+                                    collectors, memory, &(PercaleCollected){.notes = notes});
+    counts->born_crossed += collectors->born_crossed;
+    complete = complete && sort_notes(notes, memory);
+    drop_repeated(notes);
+    counts->free_pairs = notes->count;
+    return complete;
+}
+
+bool percale_pairs_are_free(const PercaleNoteList *notes, bool edges, uint32_t item, uint32_t primitive)
+{
+    const PercalePairNote *note =
+        percale_pair_find_note(notes, edges ? edge_key(item, primitive) : face_key(item, primitive));
+    return note != NULL && is_free(note);
+}
+
+bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collectors, PercaleMemory *memory,
                         PercaleStencilList *stencils, PercaleNoteList *notes, PercalePairCounts *counts)
 {
-    const PercaleCandidates *candidates = stage->candidates;
+    const PercaleCandidates *candidates = given->candidates;
     PercaleCollected to = {.stencils = stencils, .notes = notes};
-    notes->count = 0;
-    bool complete = true;
+    bool complete = find_born(given, collectors, memory, notes, counts);
+    PercalePairStage stage = *given;
+    stage.born.count = notes->count; // they stay the first of the notes
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
-        kind.hood.all_near = stage->later_substeps > 0.0f;
+        Kind kind = {&stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
+        stage.born.items = notes->items;
+        kind.hood.all_near = stage.later_substeps > 0.0f;
         size_t before = stencils->count;
         complete =
-            percale_collect(stage->team, kind.list->pairs.count, find_items, &kind, collectors, memory, &to);
+            percale_collect(stage.team, kind.list->pairs.count, find_items, &kind, collectors, memory, &to);
         counts->candidates += collectors->candidates;
         *(kind.hood.arity == 2 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
     }

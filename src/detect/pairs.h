@@ -11,7 +11,8 @@
 //
 // Sides. Of a vertex and a face: one bit, that of the start, unless the path goes around the face; a pair
 // that had a stencil at the last pass is known by its note. Of two edges: the normal is carried on from the
-// note, or from where they were. A rim has no memory. Against an obstacle its oriented surface decides.
+// note, or from where they were. A rim has no memory. Against an obstacle its oriented surface decides. What
+// crosses and has always done so, as far as one knows, has no side and gets no stencil.
 
 #ifndef PERCALE_PAIRS_H
 #define PERCALE_PAIRS_H
@@ -20,20 +21,27 @@
 
 typedef struct PercalePairStage {
     const PercaleModel *model;
-    const PercaleCandidates *candidates;
-    const PercaleNoteList *known; // ascending by key
-    float later_substeps;         // until the next pass
-    float dt;                     // s, of a substep
+    PercaleCandidates *candidates; // their tree of faces is refitted where something may be crossed
+    const PercaleNoteList *known;  // ascending by key
+    float later_substeps;          // until the next pass
+    float dt;                      // s, of a substep
+    bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
     PercaleTeam *team;
+    PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;
 
 typedef struct PercalePairCounts {
     uint64_t candidates;             // pairs looked at
     uint64_t vertex_face, edge_edge; // stencils
+    uint64_t born_crossed;           // edges and faces that cross, and nothing tells how that came
+    uint64_t free_pairs;             // of their features
 } PercalePairCounts;
 
 /// Appends to `stencils` and to the emptied `notes`, which it sorts by key. False without memory.
 bool percale_pairs_find(const PercalePairStage *stage, PercaleCollectors *collectors, PercaleMemory *memory,
                         PercaleStencilList *stencils, PercaleNoteList *notes, PercalePairCounts *counts);
+
+/// Whether a vertex and a face of the cloth, or two edges, are noted as born crossed: they may pass.
+bool percale_pairs_are_free(const PercaleNoteList *notes, bool edges, uint32_t item, uint32_t primitive);
 
 #endif

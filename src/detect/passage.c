@@ -7,6 +7,9 @@
 // Squared sine below which edges are parallel: their ends say all.
 static const double PARALLEL = 1e-12;
 
+// Squared sine of a triangle's angle below which its area is rounding.
+static const double NO_AREA = 1e-24;
+
 bool percale_weigh_edges(const Vec3 *x, double slack, double weights[4])
 {
     Vec3 a = vsub(x[1], x[0]);
@@ -44,13 +47,16 @@ static bool weigh_edges(const Vec3 *x, double weights[4], Vec3 *across)
     return percale_weigh_edges(x, SEAMLESS, weights);
 }
 
-/// The point x[0] and the triangle of the others. False when it isn't above its inside.
+/// The point x[0] and the triangle of the others. False when it isn't above its inside; a triangle that turns
+/// over edge-on has none at that time.
 static bool weigh_face(const Vec3 *x, double weights[4], Vec3 *across)
 {
-    Vec3 area = vcross(vsub(x[2], x[1]), vsub(x[3], x[1]));
+    Vec3 u = vsub(x[2], x[1]);
+    Vec3 v = vsub(x[3], x[1]);
+    Vec3 area = vcross(u, v);
     double scale = vdot(area, area);
     *across = area;
-    if (!(scale > 0.0)) {
+    if (!(scale > NO_AREA * vdot(u, u) * vdot(v, v))) {
         return false;
     }
     bool inside = true;

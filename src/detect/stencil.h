@@ -11,6 +11,10 @@
 
 #include <stdbool.h>
 
+// No point is moved farther than this many times the violation: where only points of small weight can move
+// (the others are held), the lever would be as long as one likes.
+static const float LONGEST_LEVER = 4.0f;
+
 typedef struct PercaleStencil {
     uint32_t points[4];
     float weights[4]; // multiples of 2^-24 with the exact sum 0

@@ -66,6 +66,13 @@ static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePass
     return !(vdot(outward, outward) > 0.0) || vdot(passage->normal, outward) > 0.0;
 }
 
+static bool is_free(const Kind *kind, uint32_t item, uint32_t primitive)
+{
+    const PercaleNoteList *known = kind->stage->known;
+    return known != NULL && kind->list->mesh == &kind->stage->model->cloth &&
+           percale_pairs_are_free(known, kind->hood.arity == 2, item, primitive);
+}
+
 static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query,
                          uint32_t item)
 {
@@ -76,7 +83,8 @@ static void find_passing(const Kind *kind, PercaleCollector *collector, const Pe
             kind->hood.primitives + (size_t)kind->hood.arity * collector->neighbors.items[i].index;
         uint32_t points[4] = {query->points[0], edges ? query->points[1] : corners[0], corners[edges ? 0 : 1],
                               corners[edges ? 1 : 2]};
-        if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0])) {
+        if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0]) ||
+            is_free(kind, item, collector->neighbors.items[i].index)) {
             continue;
         }
         Vec3 from[4];
@@ -163,9 +171,13 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
     for (int k = 1; k < 4; k++) {
         offset += (x[stencil->points[k]] - x[stencil->points[0]]) * stencil->weights[k];
     }
+    float farthest = 0.0f;
     for (int k = 0; k < 4; k++) {
-        weight += x[stencil->points[k]][3] * stencil->weights[k] * stencil->weights[k];
+        float share = x[stencil->points[k]][3] * stencil->weights[k];
+        weight += share * stencil->weights[k];
+        farthest = fmaxf(farthest, fabsf(share));
     }
+    weight = fmaxf(weight, farthest / LONGEST_LEVER);
     float depth = stencil->normal[3] - dot3(stencil->normal, offset);
     if (!(depth > 0.0f) || !(weight > 0.0f)) {
         return;

@@ -13,7 +13,7 @@
 #ifndef PERCALE_PAIR_GUARD_H
 #define PERCALE_PAIR_GUARD_H
 
-#include "detect/candidates.h"
+#include "detect/pairs.h"
 #include "detect/proximity.h"
 
 typedef struct PercalePairGuardStage {
@@ -21,6 +21,7 @@ typedef struct PercalePairGuardStage {
     PercaleCandidates *candidates;
     PercaleProximity *proximities; // [obstacle_count] whose clearances what moves here is taken from
     bool obstacles;                // proximities are in use
+    const PercaleNoteList *known;  // of the last pass: what was born crossed may pass; NULL: nothing was
     float dt;                      // s
     PercaleCollectors *collectors;
     PercaleStencilList *passing; // scratch

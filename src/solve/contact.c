@@ -6,7 +6,7 @@ typedef struct Gathered {
     f32x8 x[4];
     f32x8 share[4]; // w_k a_k
     f32x8 a[4];
-    f32x8 weight; // sum w_k a_k^2
+    f32x8 weight; // sum w_k a_k^2, but for the longest lever
     f32x8 normal; // fourth components 0
     f32x8 target;
 } Gathered;
@@ -18,12 +18,15 @@ static inline Gathered gather(const PercaleSolveArrays *arrays, PercaleStencil *
     f32x4 weights_high = {high->weights[0], high->weights[1], high->weights[2], high->weights[3]};
     f32x8 weights = pair_of_points(weights_low, weights_high);
     f32x8 a[4] = {SPREAD(weights, 0), SPREAD(weights, 1), SPREAD(weights, 2), SPREAD(weights, 3)};
+    f32x8 farthest = all8(0.0f);
     for (int k = 0; k < 4; k++) {
         gathered.x[k] = pair_of_points(arrays->x[low->points[k]], arrays->x[high->points[k]]);
         gathered.a[k] = a[k];
         gathered.share[k] = SPREAD(gathered.x[k], 3) * a[k];
         gathered.weight += gathered.share[k] * a[k];
+        farthest = max8(farthest, max8(gathered.share[k], -gathered.share[k]));
     }
+    gathered.weight = max8(gathered.weight, farthest / LONGEST_LEVER);
     f32x8 normal = pair_of_points(low->normal, high->normal);
     gathered.normal = without_w(normal);
     gathered.target = SPREAD(normal, 3);
@@ -192,6 +195,7 @@ static Exit exit_of(const PercaleSolveArrays *arrays, const PercaleStencil *sten
     f32x4 velocity = {0};
     f32x4 before = {0};
     float weight = 0.0f;
+    float farthest = 0.0f;
     for (int k = 0; k < 4; k++) {
         uint32_t point = stencil->points[k];
         bool moves = point < arrays->model->slot_count; // else it is an obstacle's
@@ -201,7 +205,9 @@ static Exit exit_of(const PercaleSolveArrays *arrays, const PercaleStencil *sten
         velocity += (moves ? arrays->velocity[point] : carried) * a;
         before += (moves ? arrays->model->velocity[point] : carried) * a;
         weight += arrays->x[point][3] * a * a;
+        farthest = fmaxf(farthest, arrays->x[point][3] * fabsf(a));
     }
+    weight = fmaxf(weight, farthest / LONGEST_LEVER);
     return (Exit){stencil->normal[3] - dot3(stencil->normal, offset), dot3(stencil->normal, velocity),
                   dot3(stencil->normal, before), weight};
 }
