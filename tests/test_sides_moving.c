@@ -206,7 +206,7 @@ START_TEST(a_fold_that_turns_all_the_way_round_keeps_its_flaps_apart)
     for (int frame = 1; frame <= FRAMES; frame++) {
         double angle = 2.0 * PI * frame / FRAMES;
         turn_pins(solver, &rig, 2, angle);
-        step(solver, frame, 50);
+        step(solver, frame, 10);
         check_flaps(solver, &rig, angle);
     }
     ck_assert_uint_eq(percale_solver_counters(solver).born_crossed, 0);
@@ -329,7 +329,7 @@ static void fall(float sign)
     add_rig(solver, &rigs[0], 0.0f);
     add_rig(solver, &rigs[1], 0.0f);
     for (int frame = 1; frame <= FRAMES; frame++) {
-        step(solver, frame, frame > FRAMES / 2 ? 50 : 0);
+        step(solver, frame, frame > FRAMES / 2 ? 10 : 0);
     }
     heights(solver, &rigs[0], sign, ranges[0]);
     heights(solver, &rigs[1], sign, ranges[1]);
