@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "base/reduce.h"
+#include "model/order.h"
 
 #include <string.h>
 
@@ -88,6 +89,25 @@ static bool find_halo(PercaleCandidates *candidates, PercaleMemory *memory)
     return true;
 }
 
+/// An obstacle's vertices or edges along a curve: nobody else has ordered them.
+static bool order_items(PercaleCandidateList *list, bool of_edges, const f32x4 *x, PercaleMemory *memory)
+{
+    const PercaleModelSurface *mesh = list->mesh;
+    uint32_t count = of_edges ? mesh->edges.edge_count : mesh->vertex_count;
+    float *centroids = percale_memory_new(memory, 3 * (size_t)count, sizeof(float));
+    list->order = percale_memory_new(memory, count, sizeof(uint32_t));
+    bool complete = centroids != NULL && list->order != NULL;
+    for (uint32_t i = 0; complete && i < count; i++) {
+        const uint32_t *ends = of_edges ? mesh->edges.vertices[i] : NULL;
+        f32x4 sum = x[mesh->first_point + (of_edges ? ends[0] : i)];
+        sum += of_edges ? x[mesh->first_point + ends[1]] : sum;
+        memcpy(centroids + 3 * (size_t)i, &sum, 3 * sizeof(float));
+    }
+    complete = complete && percale_order_along_curve(centroids, count, memory, list->order);
+    percale_memory_free(memory, centroids);
+    return complete;
+}
+
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
                                bool edges, bool obstacles, PercaleMemory *memory)
 {
@@ -113,7 +133,10 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
                     (!edges || percale_tree_build(&candidates->edges, model->cloth.edges.vertices[0], 2,
                                                   model->cloth.edges.edge_count, model->position, memory));
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        candidates->lists[i].mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
+        PercaleCandidateList *list = &candidates->lists[i];
+        list->mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
+        complete = i < 2 || !obstacles || (i % 2 == 1 && !edges) ||
+                   order_items(list, i % 2 == 1, model->position, memory);
     }
     return complete;
 }
@@ -122,6 +145,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
 {
     for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
         percale_memory_free(memory, candidates->lists[i].pairs.items);
+        percale_memory_free(memory, candidates->lists[i].order);
     }
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->reference);
@@ -317,12 +341,11 @@ typedef struct Search {
     const PercaleTree *tree;
     const f32x4 *const *places;
     int place_count;
-    uint32_t group; // items that are near each other
 } Search;
 
 /// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
 typedef struct Group {
-    uint32_t first, count;
+    uint32_t first, count; // places in the list's order
     PercaleQuery queries[TREE_WIDTH];
     f32x4 low[TREE_WIDTH], high[TREE_WIDTH];
     f32x4 least, most; // around all
@@ -375,7 +398,7 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
     const PercaleTree *tree = search->tree;
     PercaleItemPairList *touched = &collector->touched;
     bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
-    uint32_t first = only_later ? group->first + k + 1 : 0;
+    uint32_t first = only_later ? group->first + k + 1 : 0; // the cloth's are in their own order
     touched->count = 0;
     for (size_t i = 0; i < collector->nodes.count; i++) {
         uint32_t node = collector->nodes.items[i];
@@ -419,7 +442,7 @@ static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t p
 
 /// Keeps the neighbours of an item, ascending.
 static void keep_neighbors(const Search *search, const PercaleQuery *query, PercaleCollector *collector,
-                           uint32_t item)
+                           uint32_t place)
 {
     PercaleNeighborList *found = &collector->neighbors;
     for (size_t i = 1; i < found->count; i++) {
@@ -433,7 +456,7 @@ static void keep_neighbors(const Search *search, const PercaleQuery *query, Perc
     for (size_t i = 0; i < found->count; i++) {
         if (!are_sewn(search, query, found->items[i].index)) {
             percale_collect_pair(collector,
-                                 (PercaleItemPair){item, found->items[i].index, found->items[i].distance});
+                                 (PercaleItemPair){place, found->items[i].index, found->items[i].distance});
         }
     }
 }
@@ -441,10 +464,11 @@ static void keep_neighbors(const Search *search, const PercaleQuery *query, Perc
 static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
     const Search *search = context;
-    for (uint64_t i = first; collector->complete && i < end; i += search->group) {
+    for (uint64_t i = first; collector->complete && i < end; i += TREE_WIDTH) {
+        const uint32_t *order = search->list->order;
         Group group = {.first = (uint32_t)i};
-        for (uint64_t k = i; k < end && k < i + search->group; k++) {
-            add_query(search, &group, (uint32_t)k);
+        for (uint64_t k = i; k < end && k < i + TREE_WIDTH; k++) {
+            add_query(search, &group, order != NULL ? order[k] : (uint32_t)k);
         }
         bool complete = percale_tree_overlap(search->tree, group.least, group.most, &collector->memory,
                                              &collector->nodes);
@@ -492,8 +516,7 @@ bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *
             {primitives[of_edges], of_edges ? 2 : 3, places[0], reference, place_count > 2, true},
             trees[of_edges],
             places,
-            place_count,
-            is_cloth ? TREE_WIDTH : 1}; // nobody orders an obstacle's vertices
+            place_count};
         uint32_t count = of_edges ? list->mesh->edges.edge_count : list->mesh->vertex_count;
         complete = percale_collect(team, count, find_items, &search, collectors, memory,
                                    &(PercaleCollected){.pairs = &list->pairs});
@@ -521,11 +544,15 @@ PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates,
 PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first)
 {
     const PercaleItemPair *pairs = list->pairs.items;
-    while (first > 0 && first < list->pairs.count && pairs[first - 1].item == pairs[first].item) {
+    while (first > 0 && first < list->pairs.count && pairs[first - 1].place == pairs[first].place) {
         first++;
     }
-    PercaleCandidateRun run = {first, first, first < list->pairs.count ? pairs[first].item : 0};
-    while (run.end < list->pairs.count && pairs[run.end].item == run.item) {
+    PercaleCandidateRun run = {.first = first, .end = first};
+    if (first < list->pairs.count) {
+        run.place = pairs[first].place;
+        run.item = list->order != NULL ? list->order[run.place] : run.place;
+    }
+    while (run.end < list->pairs.count && pairs[run.end].place == run.place) {
         run.end++;
     }
     return run;

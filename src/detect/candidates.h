@@ -22,6 +22,7 @@ static const float CONTACT_REACH = 1.5f;
 /// The pairs of one kind of item, by item.
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
+    uint32_t *order;                 // [items] along a curve; NULL: as they are
     PercaleItemPairList pairs;
 } PercaleCandidateList;
 
@@ -76,6 +77,7 @@ float percale_candidates_least_reach(const PercaleCandidates *candidates);
 /// The pairs [first, end) of one item.
 typedef struct PercaleCandidateRun {
     size_t first, end;
+    uint32_t place; // in the list's order, ascending from run to run
     uint32_t item;
 } PercaleCandidateRun;
 

@@ -23,9 +23,9 @@ typedef struct PercaleNeighborList {
     size_t count, capacity;
 } PercaleNeighborList;
 
-/// An item (a vertex or an edge) and a primitive that it may come to touch.
+/// An item (a vertex or an edge, by its place in some order) and a primitive that it may come to touch.
 typedef struct PercaleItemPair {
-    uint32_t item, primitive;
+    uint32_t place, primitive;
     float distance; // m, when they were found
 } PercaleItemPair;
 

@@ -47,7 +47,7 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
             collector->complete = false;
         } else if (collector->neighbors.count > 0) {
             uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
-            collector->source = group << 32 | run.item;
+            collector->source = group << 32 | run.place;
             find_item(kind, collector, run.item);
         }
     }
