@@ -178,6 +178,27 @@ START_TEST(what_is_born_crossed_may_come_apart)
 }
 END_TEST
 
+/// At rest they stay so: what has no side is not thrown to and fro by contact and guard around it.
+START_TEST(sheets_that_start_crossed_stay_calm)
+{
+    enum { FRAMES = PERCALE_SANITIZED ? 4 : 20 };
+    const float TILTS[] = {0.1f, 0.5f};
+    for (int i = 0; i < 2; i++) {
+        Sheets sheets;
+        PercaleQuality first;
+        PercaleQuality last;
+        open_sheets(&sheets, 17, TILTS[i], 0.0f, 0.0f, 1);
+        PERCALE_TEST_OK(sheets.solver, percale_solver_quality(sheets.solver, &first));
+        (void)born_after(&sheets, FRAMES);
+        PERCALE_TEST_OK(sheets.solver, percale_solver_quality(sheets.solver, &last));
+        ck_assert_msg(last.ef_cloth_cloth <= 1.2 * first.ef_cloth_cloth, "%g cross, then %g",
+                      first.ef_cloth_cloth, last.ef_cloth_cloth);
+        ck_assert_msg(last.stretch_max <= 0.05, "stretched by %g", last.stretch_max);
+        close_sheets(&sheets);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("born_crossed");
@@ -187,6 +208,7 @@ int main(void)
     tcase_add_test(born, what_starts_free_is_not_born_crossed);
     tcase_add_test(born, the_count_is_the_same_for_any_number_of_threads);
     tcase_add_test(born, what_is_born_crossed_may_come_apart);
+    tcase_add_test(born, sheets_that_start_crossed_stay_calm);
     suite_add_tcase(suite, born);
     return percale_test_run(suite);
 }
