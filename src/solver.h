@@ -27,18 +27,18 @@ struct PercaleSolver {
     PercaleObjects objects;
     uint32_t last_id;
 
-    bool assembled; // the model below holds the state; else the objects do
+    bool assembled;      // the model below holds the state; else the objects do
+    bool may_be_crossed; // cloth with cloth: not yet looked, or it was at the last pass, or was left so
     PercaleModel model;
     PercaleColoring static_coloring, contact_coloring;
     PercaleBatches edges, hinges, contacts;
 
-    PercaleProximity *proximities; // [obstacle_count]
-    PercaleFrame *frames;          // [obstacle_count] of the running substep
-    PercaleCrossing **crossings;   // [obstacle_count] arrays in the arena; NULL without CCD
-    PercaleRays *rays;             // NULL without CCD or obstacles
-    PercaleCandidates candidates;  // without self_collision and edge_edge there are none
-    bool may_be_crossed;      // cloth with cloth: not yet looked, or it was at the last pass, or was left so
-    PercaleNoteList notes[2]; // of the last pass, and those that are being written
+    PercaleProximity *proximities;               // [obstacle_count]
+    PercaleFrame *frames;                        // [obstacle_count] of the running substep
+    PercaleCrossing **crossings;                 // [obstacle_count] arrays in the arena; NULL without CCD
+    PercaleRays *rays;                           // NULL without CCD or obstacles
+    PercaleCandidates candidates;                // without self_collision and edge_edge there are none
+    PercaleNoteList notes[2];                    // of the last pass, and those that are being written
     PercaleStencilList stencils, known_stencils; // the latter of the last pass but one
     PercaleStencilList passing;                  // of the running substep
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
