@@ -93,40 +93,68 @@ static bool is_selected(Sheets *sheets, uint32_t list, uint32_t item, uint32_t p
     return found;
 }
 
-typedef double Distance(const double x[4][3], double weight[4]);
+/// All pairs of a kind, one after the other: vertices and faces, or edges with those after them.
+typedef struct AllPairs {
+    const PercaleModel *model;
+    bool edges;
+    uint32_t item, primitive; // of the next one
+} AllPairs;
+
+/// The points of the next pair that shares none. False when there is no other.
+static bool next_pair(AllPairs *all, uint32_t points[4])
+{
+    const PercaleModelSurface *cloth = &all->model->cloth;
+    uint32_t item_count = all->edges ? cloth->edges.edge_count : all->model->slot_count;
+    uint32_t primitive_count = all->edges ? cloth->edges.edge_count : cloth->triangle_count;
+    while (all->item < item_count) {
+        uint32_t primitive = all->primitive++;
+        if (primitive >= primitive_count) {
+            all->item++;
+            all->primitive = all->edges ? all->item + 1 : 0;
+            continue;
+        }
+        if (all->edges) {
+            memcpy(points, cloth->edges.vertices[all->item], 2 * sizeof(uint32_t));
+            memcpy(points + 2, cloth->edges.vertices[primitive], 2 * sizeof(uint32_t));
+        } else {
+            points[0] = all->item;
+            memcpy(points + 1, cloth->triangles + 3 * (size_t)primitive, 3 * sizeof(uint32_t));
+        }
+        bool own = points[2] == points[0] || points[3] == points[0];
+        own = own || (all->edges ? points[2] == points[1] || points[3] == points[1] : points[1] == points[0]);
+        if (!own) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static AllPairs all_pairs(const PercaleModel *model, bool edges)
+{
+    return (AllPairs){model, edges, 0, edges ? 1 : 0};
+}
 
 /// All pairs of one kind within reach are selected. Returns their number.
 static uint32_t expect_all(Sheets *sheets, bool edges)
 {
     const PercaleModel *model = sheets->model;
-    const PercaleEdges *all = &model->cloth.edges;
-    Distance *distance = edges ? percale_edge_edge_closest : percale_vertex_face_closest;
-    uint32_t item_count = edges ? all->edge_count : model->slot_count;
-    uint32_t primitive_count = edges ? all->edge_count : model->cloth.triangle_count;
     const float reach = CONTACT_REACH * model->cloths[0].thickness;
     uint32_t count = 0;
-    for (uint32_t i = 0; i < item_count; i++) {
-        for (uint32_t p = edges ? i + 1 : 0; p < primitive_count; p++) {
-            const uint32_t *face = model->cloth.triangles + 3 * (size_t)p;
-            uint32_t points[4] = {i, face[0], face[1], face[2]};
-            if (edges) {
-                memcpy(points, all->vertices[i], 2 * sizeof(uint32_t));
-                memcpy(points + 2, all->vertices[p], 2 * sizeof(uint32_t));
+    uint32_t points[4];
+    for (AllPairs all = all_pairs(model, edges); next_pair(&all, points);) {
+        double x[4][3];
+        double weights[4];
+        for (int k = 0; k < 4; k++) {
+            for (int axis = 0; axis < 3; axis++) {
+                x[k][axis] = (double)model->predicted[points[k]][axis];
             }
-            double x[4][3];
-            double weights[4];
-            bool own = false;
-            for (int k = 0; k < 4; k++) {
-                own =
-                    own || (k >= 1 + edges && (points[k] == points[0] || (edges && points[k] == points[1])));
-                for (int axis = 0; axis < 3; axis++) {
-                    x[k][axis] = (double)model->predicted[points[k]][axis];
-                }
-            }
-            if (!own && distance((const double(*)[3])x, weights) <= (double)reach) {
-                ck_assert_msg(is_selected(sheets, edges ? 1 : 0, i, p, reach), "%u and %u", i, p);
-                count++;
-            }
+        }
+        double distance = edges ? percale_edge_edge_closest((const double(*)[3])x, weights)
+                                : percale_vertex_face_closest((const double(*)[3])x, weights);
+        if (distance <= (double)reach) {
+            ck_assert_msg(is_selected(sheets, edges ? 1 : 0, all.item, all.primitive - 1, reach), "%u and %u",
+                          all.item, all.primitive - 1);
+            count++;
         }
     }
     return count;
@@ -214,32 +242,19 @@ END_TEST
 /// All passages of the predicted ways, by all pairs.
 static uint32_t count_passages(const PercaleModel *model)
 {
-    const PercaleEdges *edges = &model->cloth.edges;
     uint32_t count = 0;
+    uint32_t points[4];
     for (int kind = 0; kind < 2; kind++) {
-        uint32_t item_count = kind == 0 ? model->slot_count : edges->edge_count;
-        uint32_t primitive_count = kind == 0 ? model->cloth.triangle_count : edges->edge_count;
-        for (uint32_t i = 0; i < item_count; i++) {
-            for (uint32_t p = kind == 0 ? 0 : i + 1; p < primitive_count; p++) {
-                const uint32_t *face = model->cloth.triangles + 3 * (size_t)p;
-                uint32_t points[4] = {i, face[0], face[1], face[2]};
-                if (kind == 1) {
-                    memcpy(points, edges->vertices[i], 2 * sizeof(uint32_t));
-                    memcpy(points + 2, edges->vertices[p], 2 * sizeof(uint32_t));
-                }
-                Vec3 from[4];
-                Vec3 to[4];
-                bool own = false;
-                for (int k = 0; k < 4; k++) {
-                    own = own ||
-                          (k > kind && (points[k] == points[0] || (kind == 1 && points[k] == points[1])));
-                    from[k] = vec3_of(model->position[points[k]]);
-                    to[k] = vec3_of(model->predicted[points[k]]);
-                }
-                PercalePassage passage;
-                count += !own && (kind == 0 ? percale_vertex_passes(from, to, &passage)
-                                            : percale_edges_pass(from, to, &passage));
+        for (AllPairs all = all_pairs(model, kind == 1); next_pair(&all, points);) {
+            Vec3 from[4];
+            Vec3 to[4];
+            for (int k = 0; k < 4; k++) {
+                from[k] = vec3_of(model->position[points[k]]);
+                to[k] = vec3_of(model->predicted[points[k]]);
             }
+            PercalePassage passage;
+            count += kind == 1 ? percale_edges_pass(from, to, &passage)
+                               : percale_vertex_passes(from, to, &passage);
         }
     }
     return count;

@@ -152,7 +152,8 @@ enum { SPLIT_COUNT = sizeof(SPLITS) / sizeof(SPLITS[0]) };
 /// Nobody creeps faster than 1 mm in 10 s, the settling of the first moment included.
 static void expect_hold(Incline *incline, int frames)
 {
-    double before[SHEETS_MAX];
+    ck_assert_int_le(incline->sheet_count, SHEETS_MAX);
+    double before[SHEETS_MAX] = {0.0};
     for (int i = 0; i < incline->sheet_count; i++) {
         before[i] = downhill(incline, i, false);
     }
@@ -205,10 +206,11 @@ END_TEST
 static double share_of_coulomb(Incline *incline, int frames)
 {
     int top = incline->sheet_count - 1;
-    run(incline, frames / 2);
+    int half = frames / 2;
+    run(incline, half);
     double middle = downhill(incline, top, true);
-    run(incline, frames / 2);
-    double acceleration = (downhill(incline, top, true) - middle) / (FRAME * (frames / 2));
+    run(incline, half);
+    double acceleration = (downhill(incline, top, true) - middle) / (FRAME * half);
     double coulomb = GRAVITY * (sin(incline->angle) - (double)FRICTION * cos(incline->angle));
     percale_solver_destroy(incline->solver);
     return acceleration / coulomb;

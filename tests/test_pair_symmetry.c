@@ -289,9 +289,11 @@ static float on_grid(uint64_t *seed)
 static void lay_flat(Places places)
 {
     for (uint32_t name = 0; name < NAMES; name++) {
-        places[name][0] = WIDTH / (SIDE - 1) * (float)(name % SHEET % SIDE) - 0.5f * WIDTH;
+        uint32_t column = name % SHEET % SIDE;
+        uint32_t row = name % SHEET / SIDE;
+        places[name][0] = WIDTH / (SIDE - 1) * (float)column - 0.5f * WIDTH;
         places[name][1] = 0.0f;
-        places[name][2] = WIDTH / (SIDE - 1) * (float)(name % SHEET / SIDE) - 0.5f * WIDTH;
+        places[name][2] = WIDTH / (SIDE - 1) * (float)row - 0.5f * WIDTH;
     }
 }
 

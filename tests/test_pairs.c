@@ -205,29 +205,34 @@ static bool are_edges_crossed(const PercaleModel *model, const uint32_t *a, cons
     return crossed;
 }
 
-static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
+/// Features of a triangle that the vertex is in reach of.
+static void list_features(const PercaleModel *model, uint32_t vertex, uint32_t t, double reach, Found *found,
+                          PairList *list)
 {
     PercaleSurface surface = {&model->cloth, NULL, model->predicted};
+    const uint32_t *corners = model->triangles[t];
+    PercaleClosest closest[CLOSEST_MOST];
+    int count = closest_of(model, vertex, corners, closest);
+    for (int i = 0; i < count; i++) {
+        Pair pair = feature_pair(vertex, corners, closest[i].region);
+        bool crossed =
+            closest[i].region == REGION_FACE && are_vertex_and_face_crossed(model, vertex, corners);
+        if (!crossed && closest[i].distance2 <= reach * reach && closest[i].distance2 >= MEETING * MEETING &&
+            all_agree(model, &pair) && !belongs_to_other(model, &pair) &&
+            is_new(found, percale_surface_feature_key(&surface, t, closest[i].region))) {
+            add_pair(list, without_nothing(vertex, corners, &closest[i]));
+        }
+    }
+}
+
+static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
+{
     for (uint32_t vertex = 0; vertex < model->slot_count; vertex++) {
         Found found;
         found.count = 0;
         for (uint32_t t = 0; t < model->triangle_count; t++) {
-            const uint32_t *corners = model->triangles[t];
-            if (has(corners, vertex)) {
-                continue;
-            }
-            PercaleClosest closest[CLOSEST_MOST];
-            int count = closest_of(model, vertex, corners, closest);
-            for (int i = 0; i < count; i++) {
-                Pair pair = feature_pair(vertex, corners, closest[i].region);
-                bool crossed =
-                    closest[i].region == REGION_FACE && are_vertex_and_face_crossed(model, vertex, corners);
-                if (!crossed && closest[i].distance2 <= reach * reach &&
-                    closest[i].distance2 >= MEETING * MEETING && all_agree(model, &pair) &&
-                    !belongs_to_other(model, &pair) &&
-                    is_new(&found, percale_surface_feature_key(&surface, t, closest[i].region))) {
-                    add_pair(list, without_nothing(vertex, corners, &closest[i]));
-                }
+            if (!has(model->triangles[t], vertex)) {
+                list_features(model, vertex, t, reach, &found, list);
             }
         }
     }

@@ -221,7 +221,7 @@ START_TEST(a_minute_on_the_ground_is_rest)
     if (count == 2) {
         cloths[1] = add_sheet(solver, 0.02f, 0.4, 1e-6f);
     }
-    double middle[2][3];
+    double middle[2][3] = {{0.0}};
     for (int frame = 0; frame < 2 * half; frame++) {
         PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
         for (int i = 0; i < count && frame == half; i++) {
