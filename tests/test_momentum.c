@@ -65,7 +65,7 @@ typedef struct Size {
 } Size;
 
 /// The last one is the full one.
-static const Size SIZES[] = {{40, PERCALE_SANITIZED ? 4 : 15}, {104, 300}};
+static const Size SIZES[] = {{40, PERCALE_SANITIZED ? 8 : 15}, {104, 300}};
 
 START_TEST(a_sheet_that_crumples_keeps_its_momentum)
 {
