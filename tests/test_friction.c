@@ -196,7 +196,7 @@ START_TEST(a_stack_of_three_holds)
     for (int sheet = 0; sheet < 3; sheet++) {
         add_sheet(&incline, 0.1f, 0.0f, FRICTION, 0.0);
     }
-    expect_hold(&incline, PERCALE_SANITIZED ? 30 : 60 + 540 / SPLITS[_i].passes);
+    expect_hold(&incline, PERCALE_SANITIZED ? 60 : 60 + 540 / SPLITS[_i].passes);
 }
 END_TEST
 

@@ -7,12 +7,28 @@ enum {
     ITEM_WORK = 16         // an item is some 16 small ones
 };
 
+/// A point without weight is replaced by one that has some: stencils of one colour may share the former, and
+/// one may move what the other would read.
+static PercaleStencil without_idle_points(PercaleStencil stencil)
+{
+    uint32_t kept = 0;
+    while (kept < 3 && stencil.weights[kept] == 0.0f) {
+        kept++;
+    }
+    for (uint32_t k = 0; k < 4; k++) {
+        if (stencil.weights[k] == 0.0f) {
+            stencil.points[k] = stencil.points[kept];
+        }
+    }
+    return stencil;
+}
+
 void percale_collect_stencil(PercaleCollector *collector, const PercaleStencil *stencil)
 {
     PercaleStencilList *list = &collector->stencils;
     if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
                                sizeof(*stencil))) {
-        list->items[list->count] = *stencil;
+        list->items[list->count] = without_idle_points(*stencil);
         list->items[list->count++].source = collector->source;
     } else {
         collector->complete = false;
