@@ -585,3 +585,15 @@ float percale_candidates_least_reach(const PercaleCandidates *candidates)
     }
     return 0.5f * CONTACT_REACH * (cloth + fminf(cloth, obstacle));
 }
+
+void percale_candidates_ask(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
+                            const PercaleNeighborhood *hood, const PercaleQuery *query,
+                            PercaleCollector *collector)
+{
+    collector->neighbors.count = 0;
+    bool complete = percale_candidates_select(candidates, list, run, query->reach, collector) &&
+                    percale_neighbors_find(hood, query, collector->touched.items, collector->touched.count,
+                                           &collector->memory, &collector->neighbors);
+    collector->candidates += collector->touched.count;
+    collector->complete = collector->complete && complete;
+}

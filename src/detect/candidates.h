@@ -89,6 +89,12 @@ PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, siz
 bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
                                float reach, PercaleCollector *collector);
 
+/// The neighbours of a run's item, which is the query, as the collector's; it is no longer complete without
+/// memory.
+void percale_candidates_ask(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
+                            const PercaleNeighborhood *hood, const PercaleQuery *query,
+                            PercaleCollector *collector);
+
 /// An item of a list, as a query; `edge`: else a vertex.
 PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
                                      bool edge, uint32_t item);

@@ -37,15 +37,8 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
         PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
                                                      kind->hood.arity == 2, run.item);
-        collector->neighbors.count = 0;
-        bool complete =
-            percale_candidates_select(kind->stage->candidates, kind->number, run, query.reach, collector) &&
-            percale_neighbors_find(&kind->hood, &query, collector->touched.items, collector->touched.count,
-                                   &collector->memory, &collector->neighbors);
-        collector->candidates += collector->touched.count;
-        if (!complete) {
-            collector->complete = false;
-        } else if (collector->neighbors.count > 0) {
+        percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
+        if (collector->complete && collector->neighbors.count > 0) {
             uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
             collector->source = group << 32 | run.place;
             find_item(kind, collector, run.item);

@@ -109,17 +109,10 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
         PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
                                                      kind->hood.arity == 2, run.item);
-        query.reach = -1.0f; // only those whose ways touch
-        collector->neighbors.count = 0;
-        bool complete =
-            percale_candidates_select(kind->stage->candidates, kind->number, run, 0.0f, collector) &&
-            percale_neighbors_find(&kind->hood, &query, collector->touched.items, collector->touched.count,
-                                   &collector->memory, &collector->neighbors);
-        collector->candidates += collector->touched.count;
-        if (complete) {
+        query.reach = 0.0f; // only what it may have passed
+        percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
+        if (collector->complete) {
             find_passing(kind, collector, &query, run.item);
-        } else {
-            collector->complete = false;
         }
     }
 }
