@@ -7,9 +7,11 @@
 #include "base/parallel.h"
 #include "base/timer.h"
 #include "detect/carry.h"
+#include "detect/renew.h"
 #include "finish/advance.h"
 #include "finish/guard.h"
 #include "finish/pair_guard.h"
+#include "predict/look_ahead.h"
 #include "predict/obstacle_motion.h"
 #include "predict/predict.h"
 #include "solve/sweep.h"
@@ -30,6 +32,7 @@ typedef struct Substep {
     double fraction; // of the step, at this substep's end
     bool has_pass;   // a collision pass falls into it
     bool any_leaves; // a contact opens fast
+    bool renewed;    // stencils of pairs between passes
     double since;    // clock when the running stage began, s
 } Substep;
 
@@ -204,75 +207,74 @@ static PercaleResult detect_obstacles(Substep *substep)
     return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
 }
 
-/// What the chunks of an extrapolation share.
-typedef struct Ahead {
-    const PercaleModel *model;
-    f32x4 *ahead;
-    float substeps;
-} Ahead;
-
-static void extrapolate_range(void *context, uint32_t first, uint32_t end)
+/// Where pairs are looked at. NULL without memory.
+static const f32x4 *look_at_pairs(Substep *substep, bool first)
 {
-    const Ahead *ahead = context;
-    for (uint32_t i = first; i < end; i++) {
-        f32x4 x = ahead->model->predicted[i];
-        ahead->ahead[i] = x + (x - ahead->model->position[i]) * ahead->substeps;
+    PercaleModel *model = &substep->solver->model;
+    if (!first) {
+        return model->predicted;
     }
+    f32x4 *coasting = percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4));
+    if (coasting != NULL) {
+        percale_look_coasting(model, substep->dt, coasting, substep->team);
+    }
+    return coasting;
 }
 
-/// Where the points would be at the next pass. NULL without memory.
-static const f32x4 *extrapolate(Substep *substep, float later_substeps)
+/// Where they would be at the next pass. NULL without memory.
+static const f32x4 *look_ahead(Substep *substep, const f32x4 *seen, float later_substeps)
 {
     PercaleModel *model = &substep->solver->model;
     if (later_substeps <= 0.0f) {
-        return model->predicted;
+        return seen;
     }
-    Ahead ahead = {model, percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4)),
-                   later_substeps};
-    if (ahead.ahead != NULL) {
-        percale_team_for(substep->team, model->point_count, GRAIN, extrapolate_range, &ahead);
+    f32x4 *ahead = percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4));
+    if (ahead != NULL) {
+        percale_look_ahead(model, seen, later_substeps, ahead, substep->team);
     }
-    return ahead.ahead;
+    return ahead;
 }
 
 /// Pairs of features that may come within reach before the next pass, as long as they are not known. False
 /// without memory.
-static bool find_candidates(Substep *substep)
+static bool find_candidates(Substep *substep, const f32x4 *seen)
 {
     PercaleSolver *solver = substep->solver;
     const PercaleModel *model = &solver->model;
     PercaleCandidates *candidates = &solver->candidates;
     float later = later_substeps(&solver->def);
-    const f32x4 *ahead = extrapolate(substep, later);
+    const f32x4 *ahead = look_ahead(substep, seen, later);
     if (ahead == NULL) {
         return false;
     }
     if (percale_candidates_hold(candidates, model->position, ahead, candidates->margin, substep->team)) {
         return true;
     }
-    const f32x4 *places[3] = {model->position, ahead, model->predicted};
-    const f32x4 *start_and_end[2] = {model->position, model->predicted};
+    const f32x4 *places[3] = {model->position, ahead, seen};
+    const f32x4 *start_and_end[2] = {model->position, seen};
     bool only_two = later <= 0.0f;
     return percale_candidates_find(candidates, only_two ? start_and_end : places, only_two ? 2 : 3,
                                    &solver->collectors, &solver->detect_memory, substep->team,
                                    &solver->counters.candidates);
 }
 
-/// Pairs of the cloth's features, and of its edges and faces with the obstacles'.
-static bool detect_pairs(Substep *substep)
+/// Pairs of the cloth's features, and of its edges and faces with the obstacles'; of some sources, or of all.
+static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSources *only)
 {
     PercaleSolver *solver = substep->solver;
     PercalePairStage stage = {.model = &solver->model,
+                              .end = seen,
                               .candidates = &solver->candidates,
                               .known = &solver->notes[0],
                               .later_substeps = later_substeps(&solver->def),
                               .dt = substep->dt,
                               .may_be_crossed = solver->may_be_crossed,
+                              .only = only,
                               .team = substep->team};
     PercalePairCounts counts = {0};
-    bool complete =
-        find_candidates(substep) && percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory,
-                                                       &solver->stencils, &solver->notes[1], &counts);
+    bool complete = find_candidates(substep, seen) &&
+                    percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
+                                       &solver->notes[1], &counts);
     PercaleNoteList written = solver->notes[1];
     solver->notes[1] = solver->notes[0];
     solver->notes[0] = written;
@@ -294,14 +296,51 @@ static void begin_stencils(PercaleSolver *solver)
     solver->known_stencils = known;
 }
 
+/// Hands on what the known stencils know, and keeps those that still fit where points are at x; NULL: none.
+/// False without memory.
+static bool continue_stencils(Substep *substep, bool same_substep, const f32x4 *x)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleCarryStage stage = {&solver->known_stencils, &solver->stencils, same_substep, substep->team};
+    percale_carry_run(&stage);
+    bool complete =
+        x == NULL || percale_renew_merge(&solver->known_stencils, same_substep, x, &solver->arena,
+                                         &solver->detect_memory, substep->team, &solver->stencils);
+    solver->pass_stencil_count = solver->stencils.count;
+    return complete;
+}
+
+/// Between passes: pairs that have slid on are found anew. False without memory.
+static bool renew_pairs(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    solver->stencils.count = solver->pass_stencil_count;
+    if (solver->candidates.lists == NULL || solver->stencils.count == 0) {
+        return true;
+    }
+    const f32x4 *seen = look_at_pairs(substep, true);
+    PercaleSources slid = {NULL, 0};
+    bool complete =
+        seen != NULL && percale_renew_find(&solver->stencils, seen, &solver->arena, substep->team, &slid);
+    if (!complete || slid.count == 0) {
+        return complete;
+    }
+    begin_stencils(solver);
+    substep->renewed = true;
+    return detect_pairs(substep, seen, solver->may_be_crossed ? NULL : &slid) &&
+           continue_stencils(substep, false, seen);
+}
+
 /// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
-/// added. `first`: in the substep.
+/// added, and pairs that have slid on renewed. `first`: in the substep.
 static PercaleResult detect_contacts(Substep *substep, bool pass, bool first)
 {
     PercaleSolver *solver = substep->solver;
     bool complete = true;
     if (pass) {
         begin_stencils(solver);
+    } else {
+        complete = renew_pairs(substep);
     }
     solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
@@ -315,12 +354,11 @@ static PercaleResult detect_contacts(Substep *substep, bool pass, bool first)
     }
     solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
     if (complete && pass && solver->candidates.lists != NULL) {
-        complete = detect_pairs(substep);
+        const f32x4 *seen = look_at_pairs(substep, first);
+        complete = seen != NULL && detect_pairs(substep, seen, NULL);
     }
     if (complete && pass) {
-        solver->pass_stencil_count = solver->stencils.count;
-        PercaleCarryStage stage = {&solver->known_stencils, &solver->stencils, !first, substep->team};
-        percale_carry_run(&stage);
+        complete = continue_stencils(substep, !first, first ? NULL : solver->model.predicted);
     }
     if (!pass) {
         for (size_t i = 0; i < solver->pass_stencil_count; i++) { // a new substep: nothing has pushed yet
@@ -349,11 +387,7 @@ static void find_waits(void *context, uint32_t first, uint32_t end)
     const Waits *waits = context;
     for (uint32_t i = first; i < end; i++) {
         const PercaleStencil *stencil = &waits->stencils[i];
-        f32x4 x = waits->x[stencil->points[0]];
-        f32x4 offset = {0};
-        for (int k = 1; k < 4; k++) {
-            offset += (waits->x[stencil->points[k]] - x) * stencil->weights[k];
-        }
+        f32x4 offset = stencil_offset(stencil, waits->x);
         waits->waits[i] = dot3(stencil->normal, offset) > FAR_GAP * stencil->normal[3];
     }
 }
@@ -376,7 +410,8 @@ static PercaleResult color(Substep *substep, bool pass)
     PercaleSolver *solver = substep->solver;
     const PercaleStencil *stencils = solver->stencils.items;
     uint32_t count = (uint32_t)solver->stencils.count;
-    if (!pass && count == solver->pass_stencil_count && count == solver->contact_coloring.count) {
+    if (!pass && !substep->renewed && count == solver->pass_stencil_count &&
+        count == solver->contact_coloring.count) {
         return PERCALE_OK; // those of the last pass, which have their colours
     }
     PercaleConstraints constraints = {
@@ -684,6 +719,7 @@ void percale_run_substeps(PercaleTeam *team, void *context)
                            (float)(substeps->seconds / count),
                            (double)(substeps->good + 1) / (double)count,
                            has_pass(&solver->def, substeps->good),
+                           false,
                            false,
                            percale_seconds()};
         percale_arena_reset(&solver->arena);

@@ -8,9 +8,9 @@
 #include "testing.h"
 
 /// Finds the stencils and notes of the solver's model, as of substeps of 1 ms; `obstacles` with those or
-/// without.
+/// without. `only`: those of some sources, where nothing is crossed; NULL: all.
 static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, const PercaleNoteList *known,
-                                                        bool obstacles)
+                                                        bool obstacles, const PercaleSources *only)
 {
     PercaleModel *model = &solver->model;
     PercaleCandidates *candidates = &solver->candidates;
@@ -22,10 +22,12 @@ static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, c
     ck_assert(percale_candidates_find(candidates, places, 2, &solver->collectors, &solver->detect_memory,
                                       alone, &counts.candidates));
     PercalePairStage stage = {.model = model,
+                              .end = model->predicted,
                               .candidates = candidates,
                               .known = known,
                               .dt = 1e-3f,
-                              .may_be_crossed = true,
+                              .may_be_crossed = only == NULL,
+                              .only = only,
                               .team = alone};
     solver->stencils.count = 0;
     ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,

@@ -227,7 +227,7 @@ static void list_pairs(Told *told, Places places[2], PairList *list)
     PercaleSolver *solver = told->solver;
     put(told, solver->model.position, places[0]);
     put(told, solver->model.predicted, places[1]);
-    (void)percale_test_find_pairs(solver, &solver->notes[0], false);
+    (void)percale_test_find_pairs(solver, &solver->notes[0], false, NULL);
     PercaleNoteList written = solver->notes[1];
     solver->notes[1] = solver->notes[0];
     solver->notes[0] = written;

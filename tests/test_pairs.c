@@ -325,7 +325,7 @@ static void find_pairs(PercaleSolver *solver, PairList *list)
 {
     const PercaleModel *model = &solver->model;
     const PercaleNoteList none = {0};
-    PercalePairCounts counts = percale_test_find_pairs(solver, &none, false);
+    PercalePairCounts counts = percale_test_find_pairs(solver, &none, false, NULL);
     list->count = 0;
     list_stencils(model, &solver->stencils, list);
     qsort(list->items, list->count, sizeof(Pair), by_points);

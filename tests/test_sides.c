@@ -53,7 +53,7 @@ static void close_meeting(Meeting *meeting)
 static float push_of(Meeting *meeting, const PercaleNoteList *known)
 {
     PercaleSolver *solver = meeting->solver;
-    (void)percale_test_find_pairs(solver, known, false);
+    (void)percale_test_find_pairs(solver, known, false, NULL);
     for (size_t i = 0; i < solver->stencils.count; i++) {
         const PercaleStencil *stencil = &solver->stencils.items[i];
         if (stencil->points[0] == meeting->corner && stencil->weights[1] < 0.0f &&
@@ -188,7 +188,7 @@ START_TEST(corners_of_a_box_hold_a_face_above_them)
         model->predicted[slot][1] = -0.001f;
     }
     const PercaleNoteList none = {0};
-    PercalePairCounts counts = percale_test_find_pairs(solver, &none, true);
+    PercalePairCounts counts = percale_test_find_pairs(solver, &none, true, NULL);
     ck_assert_uint_eq(counts.vertex_face, 4);
     for (size_t i = 0; i < counts.vertex_face; i++) {
         const PercaleStencil *stencil = &solver->stencils.items[i];

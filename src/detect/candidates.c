@@ -558,6 +558,23 @@ PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, siz
     return run;
 }
 
+PercaleCandidateRun percale_candidates_run_at(const PercaleCandidateList *list, uint32_t place)
+{
+    size_t low = 0;
+    size_t high = list->pairs.count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (list->pairs.items[middle].place < place) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    PercaleCandidateRun run = percale_candidates_run(list, low);
+    run.end = run.place == place ? run.end : run.first;
+    return run;
+}
+
 bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t point, uint32_t slot)
 {
     const PercaleModel *model = candidates->model;

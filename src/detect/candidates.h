@@ -84,6 +84,9 @@ typedef struct PercaleCandidateRun {
 /// The run that begins at `first` or next after it; first is the list's count when there is none.
 PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first);
 
+/// That of the item at this place; empty when there is none.
+PercaleCandidateRun percale_candidates_run_at(const PercaleCandidateList *list, uint32_t place);
+
 /// Those pairs of a run that can be within `reach` of each other now, as the collector's `touched`. False
 /// without memory.
 bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,

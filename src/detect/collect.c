@@ -40,7 +40,8 @@ void percale_collect_note(PercaleCollector *collector, PercalePairNote note)
     PercaleNoteList *list = &collector->notes;
     if (percale_memory_reserve(&collector->memory, &list->items, &list->capacity, list->count + 1,
                                sizeof(note))) {
-        list->items[list->count++] = note;
+        list->items[list->count] = note;
+        list->items[list->count++].source = collector->source;
     } else {
         collector->complete = false;
     }

@@ -20,9 +20,10 @@ typedef struct PercaleStencilList {
 
 /// What is kept of a pair from one pass to the next: its side.
 typedef struct PercalePairNote {
-    uint64_t key; // kind and the two features
-    f32x4 normal; // of an edge pair; of a vertex and a face [3] is the side, +1 or -1; zero: it was born
-                  // crossed and belongs nowhere
+    uint64_t key;    // kind and the two features
+    uint64_t source; // of its stencil
+    f32x4 normal;    // of an edge pair; of a vertex and a face [3] is the side, +1 or -1; zero: it was born
+                     // crossed and belongs nowhere
 } PercalePairNote;
 
 typedef struct PercaleNoteList {

@@ -75,7 +75,7 @@ static void visit_triangle(const PercalePairStage *stage, PercaleCollector *coll
     Origin origin = origin_of(stage->known, keys);
     collector->born_crossed += origin == BORN_NOW;
     for (int k = 0; k < PARTS && origin != EXPLAINED; k++) {
-        percale_collect_note(collector, (PercalePairNote){keys[k], {0.0f, 0.0f, 0.0f, 0.0f}});
+        percale_collect_note(collector, (PercalePairNote){.key = keys[k]});
     }
 }
 

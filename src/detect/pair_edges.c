@@ -112,7 +112,7 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
     memcpy(push.weights, view.weights, sizeof(push.weights));
     push.start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before);
     percale_pair_add(stage, collector, points, &push);
-    percale_collect_note(collector, (PercalePairNote){key, f32x4_of(push.normal, 0.0f)});
+    percale_collect_note(collector, (PercalePairNote){.key = key, .normal = f32x4_of(push.normal, 0.0f)});
 }
 
 /// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.
@@ -137,7 +137,7 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));
     percale_pair_add(stage, collector, points, &push);
-    percale_collect_note(collector, (PercalePairNote){key, f32x4_of(push.normal, 0.0f)});
+    percale_collect_note(collector, (PercalePairNote){.key = key, .normal = f32x4_of(push.normal, 0.0f)});
 }
 
 void percale_pair_find_edge(const PercalePairStage *stage, PercaleCollector *collector, uint32_t edge)

@@ -77,7 +77,7 @@ static double start_distance(const PercalePairStage *stage, const uint32_t point
 static void note_side(PercaleCollector *collector, uint32_t vertex, uint32_t triangle, int side)
 {
     const f32x4 normal = {0.0f, 0.0f, 0.0f, side > 0 ? 1.0f : -1.0f};
-    percale_collect_note(collector, (PercalePairNote){face_key(vertex, triangle), normal});
+    percale_collect_note(collector, (PercalePairNote){.key = face_key(vertex, triangle), .normal = normal});
 }
 
 static void add_face(const PercalePairStage *stage, PercaleCollector *collector, const FaceView *view,
@@ -228,7 +228,7 @@ static double nearest_start(const PercalePairStage *stage, uint32_t vertex, cons
 static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex,
                          bool vertices_only)
 {
-    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->model->predicted};
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end};
     PercaleFeatureList *list = &collector->features;
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {
@@ -364,7 +364,7 @@ static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *co
 static void add_obstacle_rims(const PercalePairStage *stage, PercaleCollector *collector,
                               const ObstacleVertex *vertex)
 {
-    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->model->predicted};
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end};
     PercaleFeatureList *list = &collector->features;
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {

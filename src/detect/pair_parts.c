@@ -13,6 +13,17 @@ double percale_pair_reach(const PercalePairStage *stage, const Keep *keep, const
     return reach;
 }
 
+/// Slip beyond which weights and normal of a stencil no longer fit.
+static float most_slip(const PercalePairStage *stage, const uint32_t points[4], const Push *push)
+{
+    const float SHARE_OF_EDGE = 0.2f;
+    const float SHARE_OF_THICKNESS = 0.1f; // it turns the normal of a rim by as many radians
+    bool rim = !push->edges && !(push->weights[1] < 0.0 && push->weights[2] < 0.0 && push->weights[3] < 0.0);
+    double edge = vlength(vsub(end_of(stage, points[2]), end_of(stage, points[3])));
+    double other = push->edges ? vlength(vsub(end_of(stage, points[0]), end_of(stage, points[1]))) : edge;
+    return rim ? SHARE_OF_THICKNESS * push->thickness : SHARE_OF_EDGE * (float)fmin(edge, other);
+}
+
 void percale_pair_add(const PercalePairStage *stage, PercaleCollector *collector, const uint32_t points[4],
                       const Push *push)
 {
@@ -22,6 +33,7 @@ void percale_pair_add(const PercalePairStage *stage, PercaleCollector *collector
                               .friction = push->friction};
     memcpy(stencil.points, points, sizeof(stencil.points));
     percale_stencil_weigh(&stencil, push->weights, push->edges);
+    stencil.seen = with_w(stencil_offset(&stencil, stage->end), most_slip(stage, points, push));
     percale_collect_stencil(collector, &stencil);
 }
 
@@ -56,7 +68,7 @@ float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
                           const uint32_t *faces, uint32_t count, uint32_t divisor)
 {
-    PercaleSurface surface = {obstacle, NULL, stage->model->predicted};
+    PercaleSurface surface = {obstacle, NULL, stage->end};
     Vec3 sum = {0.0, 0.0, 0.0};
     for (uint32_t i = 0; i < count; i++) {
         sum = vadd(sum, percale_surface_face_normal(&surface, faces[i] / divisor));

@@ -64,7 +64,7 @@ static inline Vec3 start_of(const PercalePairStage *stage, uint32_t point)
 
 static inline Vec3 end_of(const PercalePairStage *stage, uint32_t point)
 {
-    return vec3_of(stage->model->predicted[point]);
+    return vec3_of(stage->end[point]);
 }
 
 /// Sum of weights times points, at the start (1) or the end (0) of the substep.

@@ -29,19 +29,43 @@ static void find_item(const Kind *kind, PercaleCollector *collector, uint32_t it
     }
 }
 
+/// The stencils of the item at this place of the list.
+static uint64_t source_of(const Kind *kind, uint32_t place)
+{
+    uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
+    return group << 32 | place;
+}
+
+static void find_run(const Kind *kind, PercaleCollector *collector, PercaleCandidateRun run)
+{
+    PercaleQuery query =
+        percale_candidate_query(kind->stage->candidates, kind->list->mesh, kind->hood.arity == 2, run.item);
+    percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
+    if (collector->complete && collector->neighbors.count > 0) {
+        collector->source = source_of(kind, run.place);
+        find_item(kind, collector, run.item);
+    }
+}
+
 /// The items whose first pair is in the range.
 static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
     const Kind *kind = context;
     PercaleCandidateRun run = percale_candidates_run(kind->list, first);
     for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
-        PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
-                                                     kind->hood.arity == 2, run.item);
-        percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
-        if (collector->complete && collector->neighbors.count > 0) {
-            uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
-            collector->source = group << 32 | run.place;
-            find_item(kind, collector, run.item);
+        find_run(kind, collector, run);
+    }
+}
+
+/// Those of some sources, as far as they are in this list. Items: sources.
+static void find_sources(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+{
+    const Kind *kind = context;
+    const uint64_t *sources = kind->stage->only->items;
+    for (uint64_t i = first; collector->complete && i < end; i++) {
+        PercaleCandidateRun run = percale_candidates_run_at(kind->list, (uint32_t)sources[i]);
+        if (sources[i] == source_of(kind, (uint32_t)sources[i]) && run.first < run.end) {
+            find_run(kind, collector, run);
         }
     }
 }
@@ -98,7 +122,6 @@ static bool find_born(const PercalePairStage *stage, PercaleCollectors *collecto
 {
     const PercaleModel *model = stage->model;
     PercaleCandidates *candidates = stage->candidates;
-    notes->count = 0;
     if (!stage->may_be_crossed || !candidates->cloth || candidates->edges.nodes == NULL) {
         return true;
     }
@@ -120,21 +143,42 @@ bool percale_pairs_are_free(const PercaleNoteList *notes, bool edges, uint32_t i
     return note != NULL && is_free(note);
 }
 
+/// Notes of the pairs that are not looked for anew.
+static bool keep_notes(const PercalePairStage *stage, PercaleMemory *memory, PercaleNoteList *notes)
+{
+    const PercaleNoteList *known = stage->known;
+    if (!percale_memory_reserve(memory, &notes->items, &notes->capacity, known->count,
+                                sizeof(notes->items[0]))) {
+        return false;
+    }
+    for (size_t i = 0; i < known->count; i++) {
+        if (!percale_sources_contain(stage->only, known->items[i].source)) {
+            notes->items[notes->count++] = known->items[i];
+        }
+    }
+    return true;
+}
+
 bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collectors, PercaleMemory *memory,
                         PercaleStencilList *stencils, PercaleNoteList *notes, PercalePairCounts *counts)
 {
     const PercaleCandidates *candidates = given->candidates;
     PercaleCollected to = {.stencils = stencils, .notes = notes};
-    bool complete = find_born(given, collectors, memory, notes, counts);
+    notes->count = 0;
+    bool complete = given->only != NULL ? keep_notes(given, memory, notes)
+                                        : find_born(given, collectors, memory, notes, counts);
     PercalePairStage stage = *given;
-    stage.born.count = notes->count; // they stay the first of the notes
+    stage.born.count = given->only != NULL ? 0 : notes->count; // they stay the first of the notes
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
         Kind kind = {&stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
+        kind.hood.to = stage.end;
         stage.born.items = notes->items;
         kind.hood.all_near = stage.later_substeps > 0.0f;
         size_t before = stencils->count;
-        complete =
-            percale_collect(stage.team, kind.list->pairs.count, find_items, &kind, collectors, memory, &to);
+        complete = stage.only == NULL ? percale_collect(stage.team, kind.list->pairs.count, find_items, &kind,
+                                                        collectors, memory, &to)
+                                      : percale_collect(stage.team, stage.only->count, find_sources, &kind,
+                                                        collectors, memory, &to);
         counts->candidates += collectors->candidates;
         *(kind.hood.arity == 2 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
     }

@@ -18,14 +18,17 @@
 #define PERCALE_PAIRS_H
 
 #include "detect/candidates.h"
+#include "detect/renew.h"
 
 typedef struct PercalePairStage {
     const PercaleModel *model;
+    const f32x4 *end;              // where the points are looked at
     PercaleCandidates *candidates; // their tree of faces is refitted where something may be crossed
     const PercaleNoteList *known;  // ascending by key
     float later_substeps;          // until the next pass
     float dt;                      // s, of a substep
     bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
+    const PercaleSources *only;    // NULL: all items
     PercaleTeam *team;
     PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;

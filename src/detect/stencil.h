@@ -20,6 +20,7 @@ typedef struct PercaleStencil {
     float weights[4]; // multiples of 2^-24 with the exact sum 0
     f32x4 normal;     // unit; [3] is the target distance h, m
     f32x4 multiplier; // accumulated over a substep, kg m: friction vector and, in [3], the normal multiplier
+    f32x4 seen;       // m; sum a_k x_k when it was found; [3]: slip beyond which it is found anew, 0: none
     f32x4 owed;       // m; slip of earlier substeps that friction has still to undo, along the surface
     float friction;   // Coulomb coefficient of the pair
     float held;       // share of the friction wanted that the cone allowed last: 1 sticks, less slides
@@ -36,6 +37,17 @@ static inline void quantize_weights(const double weights[3], float quantized[3])
     quantized[0] = (float)first;
     quantized[1] = (float)second;
     quantized[2] = (float)(1.0 - first - second);
+}
+
+/// sum a_k x_k, from differences to the first point (the weights sum to 0); [3] is 0.
+static inline f32x4 stencil_offset(const PercaleStencil *stencil, const f32x4 *x)
+{
+    f32x4 first = x[stencil->points[0]];
+    f32x4 offset = {0};
+    for (int k = 1; k < 4; k++) {
+        offset += (x[stencil->points[k]] - first) * stencil->weights[k];
+    }
+    return with_w(offset, 0.0f);
 }
 
 /// Sets the weights of a vertex and a face (1, -b1, -b2, -b3) or of two edges, so that those of each sign sum
