@@ -458,6 +458,7 @@ PercaleResult percale_cloth_set_layer(PercaleSolver *solver, PercaleCloth cloth,
     if (index == SIZE_MAX) {
         return percale_solver_logged(solver, PERCALE_INVALID_HANDLE);
     }
+    percale_solver_release_model(solver);
     solver->objects.cloths[index].layer = layer;
     return PERCALE_OK;
 }

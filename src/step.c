@@ -532,14 +532,23 @@ static void keep_slips(void *context, uint32_t first, uint32_t end)
     }
 }
 
-/// After the last sweep: the slip that friction still owes.
-static void end_solve(Substep *substep)
+/// After the last sweep: outer layers give way; the slip that friction still owes. False without memory.
+static bool end_solve(Substep *substep)
 {
-    Slips slips = {.arrays = solve_arrays(substep)};
-    percale_team_for(substep->team, (uint32_t)substep->solver->stencils.count, GRAIN_STENCILS, keep_slips,
-                     &slips);
+    PercaleSolver *solver = substep->solver;
+    PercaleSweepPlan plan = {.arrays = solve_arrays(substep), .contacts = &solver->contacts};
+    if (solver->model.rank_count > 1) {
+        if (!percale_sweep_outwards(&plan, substep->team, &solver->arena)) {
+            return false;
+        }
+        solver->counters.projections_contact += solver->contacts.count;
+        solver->counters.projections += solver->contacts.count;
+    }
+    Slips slips = {.arrays = plan.arrays};
+    percale_team_for(substep->team, (uint32_t)solver->stencils.count, GRAIN_STENCILS, keep_slips, &slips);
     substep->any_leaves = slips.any_leaves;
     end_stage(substep, PERCALE_STAGE_SOLVE);
+    return true;
 }
 
 // ---- finish ----
@@ -649,8 +658,8 @@ static PercaleResult run_substep(Substep *substep)
         }
         sweep = next;
     }
-    if (result == PERCALE_OK) {
-        end_solve(substep);
+    if (result == PERCALE_OK && !end_solve(substep)) {
+        result = percale_fail_memory(&substep->solver->error);
     }
     return result == PERCALE_OK ? finish(substep) : result;
 }

@@ -130,7 +130,7 @@ typedef struct PercaleClothDef {
     const float *velocities; ///< m/s; NULL: at rest
     size_t velocity_stride;
     PercaleMaterial material;
-    int32_t layer; ///< order from the body outwards; kept for the contact between cloths of a later version
+    int32_t layer; ///< order from the body outwards: a cloth yields to those of lower layers, not they to it
     uint32_t mask; ///< two objects collide when their masks share a bit
 } PercaleClothDef;
 

@@ -71,6 +71,21 @@ static bool weld_closed_seams(Weld *weld, PercaleObjects *objects, PercaleMemory
 
 // ---- slots ----
 
+/// How many layers of other cloths are below this one.
+static uint32_t rank_of(const PercaleObjects *objects, int32_t layer)
+{
+    uint32_t rank = 0;
+    for (size_t c = 0; c < objects->cloth_count; c++) {
+        int32_t below = objects->cloths[c].layer;
+        bool is_first = below < layer;
+        for (size_t other = 0; is_first && other < c; other++) {
+            is_first = objects->cloths[other].layer != below;
+        }
+        rank += is_first;
+    }
+    return rank;
+}
+
 /// Gives every welded group a slot, in the order in which the curves of the cloths meet it.
 static bool number_slots(PercaleModel *model, const PercaleObjects *objects, Weld *weld,
                          PercaleMemory *memory)
@@ -87,8 +102,12 @@ static bool number_slots(PercaleModel *model, const PercaleObjects *objects, Wel
         const PercaleClothObject *object = &objects->cloths[c];
         PercaleModelCloth *cloth = &model->cloths[c];
         *cloth = (PercaleModelCloth){percale_memory_new(memory, object->vertex_count, sizeof(uint32_t)),
-                                     object->vertex_count, object->material.thickness,
-                                     object->material.friction, object->mask};
+                                     object->vertex_count,
+                                     object->material.thickness,
+                                     object->material.friction,
+                                     object->mask,
+                                     rank_of(objects, object->layer)};
+        model->rank_count = cloth->rank < model->rank_count ? model->rank_count : cloth->rank + 1;
         complete = cloth->slots != NULL;
         for (uint32_t i = 0; complete && i < object->vertex_count; i++) {
             uint32_t vertex = object->curve[i];

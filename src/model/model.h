@@ -21,6 +21,7 @@ typedef struct PercaleModelCloth {
     uint32_t vertex_count;
     float thickness, friction;
     uint32_t mask;
+    uint32_t rank; // of its layer among the cloths', from the body outwards
 } PercaleModelCloth;
 
 /// A triangle mesh that things collide with: an obstacle, or all cloth together.
@@ -54,6 +55,7 @@ typedef struct PercaleModel {
     uint32_t *cloth_of; // [slot_count] index into cloths
 
     uint32_t cloth_count, obstacle_count;
+    uint32_t rank_count; // of the cloths' layers
     PercaleModelCloth *cloths;
     PercaleModelSurface *obstacles;
 

@@ -1,5 +1,7 @@
 #include "solve/sweep.h"
 
+#include "base/parallel.h"
+
 enum {
     GRAIN_EDGES = 256,    // constraints per chunk: half a microsecond
     GRAIN_HINGES = 128,   // a multiple of WIDE, so that blocks are the same for any number of chunks
@@ -98,6 +100,81 @@ bool percale_sweep_exits(const PercaleSweepPlan *plan, PercaleTeam *team, Percal
     }
     add_runs(&program, &contacts);
     percale_team_run(team, program.phases, program.count);
+    return true;
+}
+
+/// What the chunks of the slots share.
+typedef struct Hold {
+    const PercaleSolveArrays *arrays;
+    uint32_t rank; // of the lowest layer that moves
+} Hold;
+
+static void hold_range(void *context, uint32_t first, uint32_t end)
+{
+    const Hold *hold = context;
+    const PercaleModel *model = hold->arrays->model;
+    for (uint32_t i = first; i < end; i++) {
+        bool moves = model->cloths[model->cloth_of[i]].rank >= hold->rank;
+        hold->arrays->x[i][3] = moves ? hold->arrays->start[i][3] : 0.0f;
+    }
+}
+
+/// Of the outermost cloth that it moves.
+static uint32_t rank_of(const PercaleModel *model, const PercaleStencil *stencil)
+{
+    uint32_t rank = 0;
+    for (int k = 0; k < 4; k++) {
+        uint32_t point = stencil->points[k];
+        uint32_t here = point < model->slot_count ? model->cloths[model->cloth_of[point]].rank : 0;
+        rank = here > rank ? here : rank;
+    }
+    return rank;
+}
+
+/// The contacts of one rank, in the runs of all.
+static void select_rank(const PercaleSweepPlan *plan, uint32_t rank, uint32_t *order,
+                        PercaleBatches *selected)
+{
+    const PercaleSolveArrays *arrays = &plan->arrays;
+    selected->count = selected->run_count = 0;
+    for (uint32_t run = 0; run < plan->contacts->run_count; run++) {
+        uint32_t before = selected->count;
+        for (uint32_t i = plan->contacts->run_first[run]; i < plan->contacts->run_first[run + 1]; i++) {
+            uint32_t stencil = arrays->stencil_order[i];
+            if (rank_of(arrays->model, &arrays->stencils[stencil]) == rank) {
+                order[selected->count++] = stencil;
+            }
+        }
+        selected->run_first[selected->run_count] = before;
+        selected->run_count += selected->count > before;
+    }
+    selected->run_first[selected->run_count] = selected->count;
+}
+
+bool percale_sweep_outwards(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
+{
+    const PercaleModel *model = plan->arrays.model;
+    uint32_t no_tile = 0;
+    PercaleSolveArrays arrays = plan->arrays;
+    PercaleBatches selected = {.tile_first_run = &no_tile};
+    uint32_t *order = percale_arena_new(arena, plan->contacts->count, sizeof(uint32_t));
+    selected.run_first = percale_arena_new(arena, (size_t)plan->contacts->run_count + 1, sizeof(uint32_t));
+    Kind contacts = {&arrays, &selected, percale_solve_contact, GRAIN_CONTACTS};
+    Program program = {percale_arena_new(arena, plan->contacts->run_count, sizeof(PercalePhase)), 0};
+    if (order == NULL || selected.run_first == NULL || program.phases == NULL) {
+        return false;
+    }
+    arrays.stencil_order = order;
+    for (uint32_t rank = 0; rank < model->rank_count; rank++) {
+        Hold hold = {&plan->arrays, rank};
+        select_rank(plan, rank, order, &selected);
+        program.count = 0;
+        add_runs(&program, &contacts);
+        percale_team_for(team, model->slot_count, GRAIN, hold_range, &hold);
+        percale_team_run(team, program.phases, program.count);
+    }
+    Hold none = {&plan->arrays, 0};
+    percale_team_for(team, model->slot_count, GRAIN, hold_range, &none);
     return true;
 }
 

@@ -25,6 +25,11 @@ typedef struct PercaleSweepPlan {
 /// False without memory (the program's, in the arena).
 bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
+/// Contacts once more, layer by layer outwards, while all cloths of lower layers stand still: an inner layer
+/// that the body has pushed out pushes the outer ones on, and they don't push it back into the body (shock
+/// propagation: Guendelman et al. 2003, section 7.2). False without memory.
+bool percale_sweep_outwards(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
+
 /// After the velocities are known: those of corrections are taken away. False without memory.
 bool percale_sweep_exits(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
