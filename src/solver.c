@@ -285,7 +285,7 @@ static void place_obstacles(PercaleSolver *solver)
 {
     PercaleModel *model = &solver->model;
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        (void)percale_motion_apply(model, o, &solver->objects.obstacles[o], 0.0, percale_team_alone());
+        (void)percale_motion_apply(model, o, &solver->objects.obstacles[o], 0.0, 0.0, percale_team_alone());
         for (uint32_t i = 0; i < model->obstacles[o].vertex_count; i++) {
             uint32_t point = model->obstacles[o].first_point + i;
             model->position[point] = model->predicted[point];

@@ -609,43 +609,57 @@ static void set_motion(PercaleSolver *solver, PercaleObstacleObject *object, Per
     object->moving = true;
 }
 
+/// A copy of the caller's points, or NULL with the error set.
+static PercaleResult copy_points(PercaleSolver *solver, const PercaleObstacleObject *object,
+                                 const float *points, size_t stride, float **copy)
+{
+    *copy = percale_memory_new(&solver->object_memory, 3 * (size_t)object->vertex_count, sizeof(float));
+    if (*copy == NULL) {
+        return percale_fail_memory(&solver->error);
+    }
+    PercaleResult result =
+        percale_solver_read_points(solver, object->name, points, stride, object->vertex_count, *copy);
+    if (result != PERCALE_OK) {
+        percale_memory_free(&solver->object_memory, *copy);
+        *copy = NULL;
+    }
+    return result;
+}
+
 static PercaleResult move_obstacle(PercaleSolver *solver, size_t index, const float *positions, size_t stride,
-                                   const float *velocities)
+                                   const float *velocities, size_t velocity_stride)
 {
     PercaleObstacleObject *object = &solver->objects.obstacles[index];
-    if (velocities != NULL) {
-        return percale_fail(&solver->error, PERCALE_UNSUPPORTED, "Hermite motion is not in this version");
-    }
     if (object->motion == MOTION_RIGID) {
         return percale_fail(&solver->error, PERCALE_INVALID_ARGUMENT,
                             "%s was moved by percale_obstacle_set_transform: it can't be deformed",
                             object->name);
     }
-    float *target =
-        percale_memory_new(&solver->object_memory, 3 * (size_t)object->vertex_count, sizeof(float));
-    if (target == NULL) {
-        return percale_fail_memory(&solver->error);
+    float *target;
+    float *velocity = NULL;
+    PercaleResult result = copy_points(solver, object, positions, stride, &target);
+    if (result == PERCALE_OK && velocities != NULL) {
+        result = copy_points(solver, object, velocities, velocity_stride, &velocity);
     }
-    PercaleResult result =
-        percale_solver_read_points(solver, object->name, positions, stride, object->vertex_count, target);
     if (result != PERCALE_OK) {
         percale_memory_free(&solver->object_memory, target);
         return result;
     }
     set_motion(solver, object, MOTION_DEFORMING);
     percale_memory_free(&solver->object_memory, object->to);
+    percale_memory_free(&solver->object_memory, object->velocity_to);
     object->to = target;
+    object->velocity_to = velocity;
     return PERCALE_OK;
 }
 
 PercaleResult percale_obstacle_move(PercaleSolver *solver, PercaleObstacle obstacle, const float *positions,
                                     size_t stride, const float *velocities, size_t velocity_stride)
 {
-    (void)velocity_stride; // of the velocities, which are refused
     size_t index = require_obstacle(solver, obstacle);
-    return percale_solver_logged(solver, index == SIZE_MAX
-                                             ? PERCALE_INVALID_HANDLE
-                                             : move_obstacle(solver, index, positions, stride, velocities));
+    return percale_solver_logged(solver, index == SIZE_MAX ? PERCALE_INVALID_HANDLE
+                                                           : move_obstacle(solver, index, positions, stride,
+                                                                           velocities, velocity_stride));
 }
 
 static PercaleResult turn_obstacle(PercaleSolver *solver, size_t index, const double rotation[4],

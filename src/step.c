@@ -129,7 +129,8 @@ static void move_obstacle(Substep *substep, uint32_t o)
     frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
     frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
     solver->proximities[o].motion =
-        object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction, substep->team)
+        object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction,
+                                              (double)substep->dt * solver->def.substeps, substep->team)
                        : 0.0f;
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         solver->proximities[o].doubt = INFINITY;
@@ -683,7 +684,12 @@ static void end_obstacles(PercaleSolver *solver, int good_substeps)
     double fraction = (double)good_substeps / (double)solver->def.substeps;
     for (uint32_t o = 0; o < model->obstacle_count; o++) {
         PercaleObstacleObject *object = &solver->objects.obstacles[o];
-        if (!object->moving || good_substeps == 0) {
+        if (good_substeps == 0) {
+            continue;
+        }
+        percale_obstacle_object_arrive(object, object->moving && good_substeps == solver->def.substeps,
+                                       &solver->object_memory);
+        if (!object->moving) {
             continue;
         }
         object->moving = false;

@@ -60,10 +60,6 @@ START_TEST(what_this_version_lacks_is_said)
     PERCALE_NO_SOLVER(ccd, PERCALE_CCD_EXACT, PERCALE_UNSUPPORTED, "exact");
     PERCALE_NO_SOLVER(isa, (PercaleIsa)4, PERCALE_INVALID_ARGUMENT, "isa 4");
     Scene *scene = create();
-    const float velocities[24] = {0};
-    PERCALE_REFUSED(
-        scene, percale_obstacle_move(scene->solver, scene->obstacle, scene->box.positions, 0, velocities, 0),
-        PERCALE_UNSUPPORTED, "Hermite");
     ck_assert_int_ne(percale_solver_isa(scene->solver), PERCALE_ISA_AUTO);
     destroy(scene);
 }

@@ -83,8 +83,10 @@ PERCALE_API PercaleObstacleDef percale_obstacle_def_default(void);
 PERCALE_API PercaleResult percale_obstacle_add(PercaleSolver *solver, const PercaleObstacleDef *def,
                                                PercaleObstacle *obstacle);
 PERCALE_API PercaleResult percale_obstacle_remove(PercaleSolver *solver, PercaleObstacle obstacle);
-/// Where its vertices are to be at the end of the next step; they go there in a straight line. `velocities`
-/// (Hermite motion) must be NULL in this version. An obstacle that is not moved again stands still.
+/// Where its vertices are to be at the end of the next step; they go there in a straight line. With
+/// `velocities`, theirs at that moment in m/s, they go along the cubic that begins with those of the step
+/// before, or along the chord without such (Hermite): straight lines cut the corners of a limb that turns,
+/// 7 mm of a metre in 13 degrees a step. An obstacle that is not moved again stands still.
 PERCALE_API PercaleResult percale_obstacle_move(PercaleSolver *solver, PercaleObstacle obstacle,
                                                 const float *positions, size_t stride,
                                                 const float *velocities, size_t velocity_stride);

@@ -15,7 +15,19 @@ void percale_obstacle_object_free(PercaleObstacleObject *obstacle, PercaleMemory
     percale_memory_free(memory, obstacle->base);
     percale_memory_free(memory, obstacle->from);
     percale_memory_free(memory, obstacle->to);
+    percale_memory_free(memory, obstacle->velocity_from);
+    percale_memory_free(memory, obstacle->velocity_to);
     percale_memory_free(memory, obstacle->triangles);
+}
+
+void percale_obstacle_object_arrive(PercaleObstacleObject *obstacle, bool arrived, PercaleMemory *memory)
+{
+    percale_memory_free(memory, obstacle->velocity_from);
+    obstacle->velocity_from = arrived ? obstacle->velocity_to : NULL;
+    if (!arrived) {
+        percale_memory_free(memory, obstacle->velocity_to);
+    }
+    obstacle->velocity_to = NULL;
 }
 
 void percale_pin_object_free(PercalePinObject *pin, PercaleMemory *memory)

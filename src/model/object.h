@@ -41,6 +41,8 @@ typedef struct PercaleObstacleObject {
     float *base;                    // [3 * vertex_count] m; as added
     float *from;                    // [3 * vertex_count] m; where the next step starts (deforming)
     float *to;                      // [3 * vertex_count] m; where it ends (deforming)
+    float *velocity_from;           // [3 * vertex_count] m/s, at `from`; NULL: as along the chord
+    float *velocity_to;             // [3 * vertex_count] m/s, at `to`; NULL: it goes in a straight line
     PercalePose pose_from, pose_to; // (rigid)
     uint32_t *triangles;            // [3 * triangle_count]
     PercaleMotion motion;           // of the whole life so far
@@ -79,6 +81,8 @@ typedef struct PercaleObjects {
 /// Each frees what one object owns.
 void percale_cloth_object_free(PercaleClothObject *cloth, PercaleMemory *memory);
 void percale_obstacle_object_free(PercaleObstacleObject *obstacle, PercaleMemory *memory);
+/// After a step: the velocity at its end is that at the start of the next, if it has got there.
+void percale_obstacle_object_arrive(PercaleObstacleObject *obstacle, bool arrived, PercaleMemory *memory);
 void percale_pin_object_free(PercalePinObject *pin, PercaleMemory *memory);
 void percale_seam_object_free(PercaleSeamObject *seam, PercaleMemory *memory);
 void percale_objects_free(PercaleObjects *objects, PercaleMemory *memory);

@@ -78,11 +78,28 @@ static f32x4 rigid_point(const Vec3 rows[3], const double translation[3], const 
                    (float)(vdot(rows[2], p) + translation[2]), 0.0f};
 }
 
-static f32x4 deformed_point(const float *from, const float *to, float fraction)
+static f32x4 point_at(const float *points, size_t at)
 {
-    f32x4 a = {from[0], from[1], from[2], 0.0f};
-    f32x4 b = {to[0], to[1], to[2], 0.0f};
-    return fraction < 1.0f ? a + (b - a) * fraction : b;
+    return (f32x4){points[at], points[at + 1], points[at + 2], 0.0f};
+}
+
+/// From `from` to `to` in a straight line, or along the cubic with the velocities of both ends.
+static f32x4 deformed_point(const PercaleObstacleObject *object, size_t at, float fraction, float seconds)
+{
+    f32x4 a = point_at(object->from, at);
+    f32x4 b = point_at(object->to, at);
+    if (!(fraction < 1.0f)) {
+        return b;
+    }
+    if (object->velocity_to == NULL) {
+        return a + (b - a) * fraction;
+    }
+    f32x4 end = point_at(object->velocity_to, at) * seconds;
+    f32x4 begin = object->velocity_from != NULL ? point_at(object->velocity_from, at) * seconds : b - a;
+    float square = fraction * fraction;
+    float cube = square * fraction;
+    return a + (b - a) * (3.0f * square - 2.0f * cube) + begin * (cube - 2.0f * square + fraction) +
+           end * (cube - square);
 }
 
 /// What the chunks of a moving obstacle share.
@@ -93,7 +110,7 @@ typedef struct Motion {
     bool rigid;
     Vec3 rows[3];
     double translation[3];
-    float fraction;
+    float fraction, seconds;
     ReducedUint farthest2;
 } Motion;
 
@@ -103,10 +120,9 @@ static void move_range(void *context, uint32_t first, uint32_t end)
     float farthest2 = 0.0f;
     for (uint32_t i = first; i < end; i++) {
         size_t at = 3 * (size_t)i;
-        motion->predicted[i] =
-            motion->rigid
-                ? rigid_point(motion->rows, motion->translation, motion->object->base + at)
-                : deformed_point(motion->object->from + at, motion->object->to + at, motion->fraction);
+        motion->predicted[i] = motion->rigid
+                                   ? rigid_point(motion->rows, motion->translation, motion->object->base + at)
+                                   : deformed_point(motion->object, at, motion->fraction, motion->seconds);
         f32x4 moved = motion->predicted[i] - motion->before[i];
         float distance2 = dot3(moved, moved);
         farthest2 = distance2 > farthest2 ? distance2 : farthest2;
@@ -115,7 +131,7 @@ static void move_range(void *context, uint32_t first, uint32_t end)
 }
 
 float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const PercaleObstacleObject *object,
-                           double fraction, PercaleTeam *team)
+                           double fraction, double seconds, PercaleTeam *team)
 {
     uint32_t first = model->obstacles[obstacle].first_point;
     PercalePose pose = percale_motion_between(&object->pose_from, &object->pose_to, fraction);
@@ -124,7 +140,8 @@ float percale_motion_apply(PercaleModel *model, uint32_t obstacle, const Percale
                      .predicted = model->predicted + first,
                      .rigid = object->motion != MOTION_DEFORMING,
                      .translation = {pose.translation[0], pose.translation[1], pose.translation[2]},
-                     .fraction = (float)fraction};
+                     .fraction = (float)fraction,
+                     .seconds = (float)seconds};
     matrix_of(pose.rotation, motion.rows);
     percale_team_for(team, object->vertex_count, GRAIN, move_range, &motion);
     return sqrtf(reduced_float(&motion.farthest2));
