@@ -4,6 +4,8 @@
 
 #include "audit/audit.h"
 
+#include <stdio.h>
+
 #include <string.h>
 
 /// Copies vertex indices that must exist in the cloth.
@@ -265,6 +267,24 @@ static PercaleResult audit_obstacle(PercaleSolver *solver, uint32_t index, Perca
     return PERCALE_OK;
 }
 
+/// Tells the log which triangles cross deepest.
+static void log_crossing(PercaleSolver *solver, const PercaleQuality *quality,
+                         const PercaleAuditCrossing *deepest)
+{
+    if (!(deepest->depth > 0.0) || solver->def.log == NULL) {
+        return;
+    }
+    const PercaleObjects *objects = &solver->objects;
+    const char *other =
+        deepest->is_obstacle ? objects->obstacles[deepest->other].name : objects->cloths[deepest->other].name;
+    char line[512];
+    (void)snprintf(line, sizeof(line),
+                   "%.0f pairs of triangles cross; deepest, by %.3g mm: %u of %s and %u of %s",
+                   quality->ef_cloth_cloth + quality->ef_cloth_obstacle, 1e3 * deepest->depth,
+                   deepest->triangle, objects->cloths[deepest->cloth].name, deepest->other_triangle, other);
+    solver->def.log(solver->def.log_user, line);
+}
+
 PercaleResult percale_solver_quality(PercaleSolver *solver, PercaleQuality *quality)
 {
     PercaleResult result = percale_solver_prepare(solver);
@@ -286,8 +306,10 @@ PercaleResult percale_solver_quality(PercaleSolver *solver, PercaleQuality *qual
     if (result == PERCALE_OK) {
         PercaleAuditMemory memory = {solver->allocator.allocate, solver->allocator.release,
                                      solver->allocator.user};
-        result =
-            percale_audit_with(memory, meshes, cloth_count, meshes + cloth_count, obstacle_count, quality);
+        PercaleAuditCrossing deepest = {.depth = 0.0};
+        result = percale_audit_with(memory, meshes, cloth_count, meshes + cloth_count, obstacle_count,
+                                    quality, &deepest);
+        log_crossing(solver, quality, &deepest);
         result = result == PERCALE_OUT_OF_MEMORY ? percale_fail_memory(&solver->error) : result;
     }
     return percale_solver_logged(solver, result);

@@ -485,7 +485,7 @@ START_TEST(every_allocation_may_fail)
             PercaleQuality quality = {.nonfinite = -1.0};
             float depths[16];
             result = is_depth_only ? percale_audit_penetration_with(memory, &cloth, &body, 1, depths)
-                                   : percale_audit_with(memory, &cloth, 1, &body, 1, &quality);
+                                   : percale_audit_with(memory, &cloth, 1, &body, 1, &quality, NULL);
             ck_assert_int_eq(budget.held_count, 0);
             if (result == PERCALE_OK)
                 break;

@@ -3,7 +3,9 @@
 #include "pairs_testing.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double FRAME = 1.0 / 60.0; // s
 
@@ -199,11 +201,52 @@ START_TEST(sheets_that_start_crossed_stay_calm)
 }
 END_TEST
 
+/// A log that keeps the last line.
+static void keep_line(void *user, const char *text)
+{
+    (void)snprintf(user, 256, "%s", text);
+}
+
+START_TEST(the_log_says_which_triangles_cross_deepest)
+{
+    char line[256] = "";
+    PercaleSolverDef def = percale_solver_def_default();
+    def.log = keep_line;
+    def.log_user = line;
+    PercaleSolver *solver = percale_test_solver(def);
+    PercaleMesh sheet =
+        percale_test_sheet(2, 1.0f); // two triangles, of which the first has the corner (-, -)
+    PercaleMesh needle = percale_test_sheet(2, 0.01f);
+    for (size_t i = 0; i < needle.vertex_count; i++) { // upright, through the first, 2 mm deep with one end
+        float *x = needle.positions + 3 * i;
+        const float upright[3] = {x[0] - 0.3f, x[2] + 0.003f, -0.3f};
+        memcpy(x, upright, sizeof(upright));
+    }
+    PercaleClothDef cloth = percale_test_cloth_def(&sheet);
+    PercaleCloth handle;
+    cloth.name = "the sheet";
+    PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth, &handle));
+    PercaleQuality quality;
+    PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
+    ck_assert_str_eq(line, "");
+    cloth = percale_test_cloth_def(&needle);
+    cloth.name = "the needle";
+    PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth, &handle));
+    PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
+    ck_assert_str_eq(line,
+                     "2 pairs of triangles cross; deepest, by 2 mm: 0 of the sheet and 0 of the needle");
+    percale_solver_destroy(solver);
+    percale_mesh_free(&sheet);
+    percale_mesh_free(&needle);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("born_crossed");
     TCase *born = tcase_create("born_crossed");
     tcase_set_timeout(born, 0);
+    tcase_add_test(born, the_log_says_which_triangles_cross_deepest);
     tcase_add_test(born, edges_and_faces_that_start_crossed_are_counted_once);
     tcase_add_test(born, what_starts_free_is_not_born_crossed);
     tcase_add_test(born, the_count_is_the_same_for_any_number_of_threads);

@@ -103,6 +103,8 @@ PERCALE_API bool percale_scene_set(PercaleScene *scene, const char *key, const c
                                    PercaleSceneError *error);
 PERCALE_API const PercaleSetting *percale_scene_settings(const PercaleScene *scene, uint32_t *count);
 PERCALE_API const char *percale_scene_preset(const PercaleScene *scene);
+/// The last line that the built solver has logged, "" without one.
+PERCALE_API const char *percale_scene_log(const PercaleScene *scene);
 PERCALE_API uint32_t percale_scene_default_frames(const PercaleScene *scene);
 PERCALE_API double percale_scene_frame_rate(const PercaleScene *scene);
 PERCALE_API void percale_scene_origin(const PercaleScene *scene, double origin[3]);

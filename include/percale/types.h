@@ -99,7 +99,8 @@ typedef struct PercaleSolverDef {
     int untangle;       ///< 1: crossings are resolved (not in this version)
     int tethers; ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
     int bending; ///< 1: cloth resists bending
-    PercaleLogFunction *log; ///< one line per error or warning, without a newline; NULL: silent
+    PercaleLogFunction *log; ///< one line per error or warning, and where percale_solver_quality finds
+                             ///< crossings, without a newline; NULL: silent
     void *log_user;
     /// May be called from the solver's worker threads: it has to be thread-safe. Memory is aligned as asked.
     PercaleAllocateFunction *allocate; ///< NULL: the C library's; both or none

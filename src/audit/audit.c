@@ -98,7 +98,7 @@ static bool judge_cloths(PercaleAuditScene *scene, PercaleQuality *quality)
     return true;
 }
 
-static bool judge_obstacle(PercaleAuditScene *scene, const PercaleAuditMesh *obstacle,
+static bool judge_obstacle(PercaleAuditScene *scene, const PercaleAuditMesh *obstacle, uint32_t index,
                            PercaleQuality *quality)
 {
     PercaleAuditSurface surface = {.mesh = NULL};
@@ -106,7 +106,7 @@ static bool judge_obstacle(PercaleAuditScene *scene, const PercaleAuditMesh *obs
         fits_numbers(obstacle, 1) && percale_audit_surface_open(&scene->memory, obstacle, &surface);
     if (has_memory) {
         percale_audit_penetrate(scene, &surface);
-        percale_audit_cross_obstacle(scene, &surface, quality);
+        percale_audit_cross_obstacle(scene, &surface, index, quality);
         double stands_out = MILLIMETRES * percale_audit_stand_out(scene, &surface);
         quality->penetration_obstacle_mm = fmax(quality->penetration_obstacle_mm, stands_out);
     }
@@ -140,7 +140,8 @@ static void judge_vertices(PercaleAuditScene *scene, PercaleQuality *quality)
 
 PercaleResult percale_audit_with(PercaleAuditMemory memory, const PercaleAuditMesh *cloths,
                                  uint32_t cloth_count, const PercaleAuditMesh *obstacles,
-                                 uint32_t obstacle_count, PercaleQuality *quality)
+                                 uint32_t obstacle_count, PercaleQuality *quality,
+                                 PercaleAuditCrossing *deepest)
 {
     PercaleAuditScene scene = {.memory = memory, .cloths = cloths, .cloth_count = cloth_count};
     PercaleQuality judged = {.nonfinite = 0.0};
@@ -149,10 +150,12 @@ PercaleResult percale_audit_with(PercaleAuditMemory memory, const PercaleAuditMe
     fesetenv(FE_DFL_ENV);
     bool has_memory = scene_open(&scene) && judge_cloths(&scene, &judged);
     for (uint32_t obstacle = 0; has_memory && obstacle < obstacle_count; obstacle++)
-        has_memory = judge_obstacle(&scene, &obstacles[obstacle], &judged);
+        has_memory = judge_obstacle(&scene, &obstacles[obstacle], obstacle, &judged);
     if (has_memory) {
         judge_vertices(&scene, &judged);
         *quality = judged;
+        if (deepest)
+            *deepest = scene.deepest;
     }
     scene_close(&scene);
     fesetenv(&host);
@@ -164,7 +167,7 @@ PercaleResult percale_audit(const PercaleAuditMesh *cloths, uint32_t cloth_count
                             PercaleQuality *quality)
 {
     PercaleAuditMemory memory = {NULL, NULL, NULL};
-    return percale_audit_with(memory, cloths, cloth_count, obstacles, obstacle_count, quality);
+    return percale_audit_with(memory, cloths, cloth_count, obstacles, obstacle_count, quality, NULL);
 }
 
 PercaleResult percale_audit_penetration_with(PercaleAuditMemory memory, const PercaleAuditMesh *cloth,

@@ -14,6 +14,14 @@
 #include "audit/audit_tree.h"
 #include "percale/percale.h"
 
+/// Two triangles that cross: of a cloth, and of a cloth or an obstacle.
+typedef struct PercaleAuditCrossing {
+    uint32_t cloth, triangle;
+    uint32_t other, other_triangle;
+    bool is_obstacle; ///< the other
+    double depth; ///< m that one of them reaches through the other's plane, the lesser; 0: nothing crosses
+} PercaleAuditCrossing;
+
 /// One call's view of its meshes: the cloths' vertices in one row, their trees, and who is sewn to whom.
 typedef struct PercaleAuditScene {
     PercaleAuditMemory memory;
@@ -26,12 +34,15 @@ typedef struct PercaleAuditScene {
     size_t point_count;
     double *depths;      ///< [vertices] m below the deepest obstacle, 0 outside
     uint8_t *in_contact; ///< [vertices] 1: close to an obstacle
+    PercaleAuditCrossing deepest;
 } PercaleAuditScene;
 
-/// percale_audit with the memory of the caller's choice; a failure leaves *quality as it was.
+/// percale_audit with the memory of the caller's choice; a failure leaves *quality as it was. `deepest`: of
+/// the pairs that cross; may be NULL.
 PercaleResult percale_audit_with(PercaleAuditMemory memory, const PercaleAuditMesh *cloths,
                                  uint32_t cloth_count, const PercaleAuditMesh *obstacles,
-                                 uint32_t obstacle_count, PercaleQuality *quality);
+                                 uint32_t obstacle_count, PercaleQuality *quality,
+                                 PercaleAuditCrossing *deepest);
 
 /// percale_audit_penetration with the memory of the caller's choice.
 PercaleResult percale_audit_penetration_with(PercaleAuditMemory memory, const PercaleAuditMesh *cloth,
@@ -48,11 +59,11 @@ void percale_audit_penetrate(PercaleAuditScene *scene, const PercaleAuditSurface
 double percale_audit_stand_out(const PercaleAuditScene *scene, const PercaleAuditSurface *obstacle);
 
 /// Counts ef_cloth_cloth and ef_seam: each cloth with itself, and with those whose masks share a bit.
-void percale_audit_cross_cloths(const PercaleAuditScene *scene, PercaleQuality *quality);
+void percale_audit_cross_cloths(PercaleAuditScene *scene, PercaleQuality *quality);
 
-/// Adds one obstacle to ef_cloth_obstacle.
-void percale_audit_cross_obstacle(const PercaleAuditScene *scene, const PercaleAuditSurface *obstacle,
-                                  PercaleQuality *quality);
+/// Adds one obstacle to ef_cloth_obstacle; `index`: which.
+void percale_audit_cross_obstacle(PercaleAuditScene *scene, const PercaleAuditSurface *obstacle,
+                                  uint32_t index, PercaleQuality *quality);
 
 /// Fills stretch_max and stretch_p99; false without memory.
 bool percale_audit_strain(const PercaleAuditScene *scene, PercaleQuality *quality);

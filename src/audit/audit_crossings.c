@@ -5,6 +5,9 @@
 
 #include "audit/audit.h"
 #include "audit/audit_exact.h"
+#include "audit/audit_vector.h"
+
+#include <math.h>
 
 typedef struct Crossings {
     const PercaleAuditTree *a;
@@ -14,6 +17,8 @@ typedef struct Crossings {
     const uint8_t *is_sewn;
     uint64_t crossing_count;
     uint64_t seam_count;
+    PercaleAuditCrossing here; // whose triangles these are
+    PercaleAuditCrossing *deepest;
 } Crossings;
 
 static void load_corners(const PercaleAuditTree *tree, size_t triangle, const float *corners[3])
@@ -121,6 +126,41 @@ static bool are_boxes_apart(const float *const a[3], const float *const b[3])
     return false;
 }
 
+// How far a's corners reach through the plane of b, to the side where they reach less far.
+static double reach_through(const float *const a[3], const float *const b[3])
+{
+    double p[4][3];
+    for (size_t k = 0; k < 3; k++)
+        load_point(b[k], 0, p[k]);
+    double u[3], v[3], normal[3];
+    subtract(p[1], p[0], u);
+    subtract(p[2], p[0], v);
+    cross(u, v, normal);
+    double length = sqrt(dot(normal, normal));
+    double above = 0.0;
+    double below = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        load_point(a[k], 0, p[3]);
+        subtract(p[3], p[0], u);
+        double height = length > 0.0 ? dot(normal, u) / length : 0.0;
+        above = fmax(above, height);
+        below = fmax(below, -height);
+    }
+    return fmin(above, below);
+}
+
+static void keep_deepest(Crossings *crossings, size_t a, size_t b, const float *const corners_a[3],
+                         const float *const corners_b[3])
+{
+    double depth = fmin(reach_through(corners_a, corners_b), reach_through(corners_b, corners_a));
+    if (!(depth > crossings->deepest->depth))
+        return;
+    *crossings->deepest = crossings->here;
+    crossings->deepest->triangle = crossings->a->triangles[a];
+    crossings->deepest->other_triangle = crossings->b->triangles[b];
+    crossings->deepest->depth = depth;
+}
+
 static void cross_triangles(Crossings *crossings, size_t a, size_t b)
 {
     const float *corners_a[3];
@@ -133,7 +173,10 @@ static void cross_triangles(Crossings *crossings, size_t a, size_t b)
     size_t j = 0;
     size_t shared_count = count_shared(crossings, a, b, &i, &j);
     if (shared_count == 0) {
-        crossings->crossing_count += (uint64_t)do_cross(corners_a, corners_b);
+        if (do_cross(corners_a, corners_b)) {
+            crossings->crossing_count++;
+            keep_deepest(crossings, a, b, corners_a, corners_b);
+        }
         return;
     }
     if (shared_count > 1 || !crossings->is_sewn[crossings->points_a[crossings->a->corners[3 * a + i]]])
@@ -199,7 +242,7 @@ static void cross_within(Crossings *crossings, uint32_t index)
 }
 
 // One cloth with another one or with itself.
-static void cross_two_cloths(const PercaleAuditScene *scene, uint32_t a, uint32_t b, PercaleQuality *quality)
+static void cross_two_cloths(PercaleAuditScene *scene, uint32_t a, uint32_t b, PercaleQuality *quality)
 {
     Crossings crossings = {
         .a = &scene->trees[a],
@@ -207,6 +250,8 @@ static void cross_two_cloths(const PercaleAuditScene *scene, uint32_t a, uint32_
         .points_a = scene->points + scene->first_vertex[a],
         .points_b = scene->points + scene->first_vertex[b],
         .is_sewn = scene->is_sewn,
+        .here = {.cloth = a, .other = b},
+        .deepest = &scene->deepest,
     };
     if (crossings.a->node_count == 0 || crossings.b->node_count == 0)
         return;
@@ -218,7 +263,7 @@ static void cross_two_cloths(const PercaleAuditScene *scene, uint32_t a, uint32_
     quality->ef_seam += (double)crossings.seam_count;
 }
 
-void percale_audit_cross_cloths(const PercaleAuditScene *scene, PercaleQuality *quality)
+void percale_audit_cross_cloths(PercaleAuditScene *scene, PercaleQuality *quality)
 {
     for (uint32_t a = 0; a < scene->cloth_count; a++) {
         cross_two_cloths(scene, a, a, quality);
@@ -229,11 +274,14 @@ void percale_audit_cross_cloths(const PercaleAuditScene *scene, PercaleQuality *
     }
 }
 
-void percale_audit_cross_obstacle(const PercaleAuditScene *scene, const PercaleAuditSurface *obstacle,
-                                  PercaleQuality *quality)
+void percale_audit_cross_obstacle(PercaleAuditScene *scene, const PercaleAuditSurface *obstacle,
+                                  uint32_t index, PercaleQuality *quality)
 {
     for (uint32_t cloth = 0; cloth < scene->cloth_count; cloth++) {
-        Crossings crossings = {.a = &scene->trees[cloth], .b = &obstacle->tree};
+        Crossings crossings = {.a = &scene->trees[cloth],
+                               .b = &obstacle->tree,
+                               .here = {.cloth = cloth, .other = index, .is_obstacle = true},
+                               .deepest = &scene->deepest};
         if (!(scene->cloths[cloth].mask & obstacle->mesh->mask) || crossings.a->node_count == 0 ||
             crossings.b->node_count == 0)
             continue;

@@ -24,6 +24,7 @@ typedef struct PercaleReport {
     PercaleCounters work;
     PercaleQuality quality;      ///< worst over the audited frames
     PercaleQuality quality_last; ///< of the last frame
+    char crossing[512]; ///< where triangles cross, at the frame with most of that; "" where none does
     PercaleBytes bytes;
     uint64_t peak_bytes; ///< of the whole process, audits included
     uint64_t state_hash;

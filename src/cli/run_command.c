@@ -185,11 +185,19 @@ static bool prepare(Run *run, const PercaleOptions *options, PercaleSceneError *
     return run->milliseconds || refuse(error, "run", "out of memory");
 }
 
+static double crossings_of(const PercaleQuality *quality)
+{
+    return quality->ef_cloth_cloth + quality->ef_cloth_obstacle;
+}
+
 static bool audit(Run *run, PercaleSceneError *error)
 {
     PercaleReport *report = &run->report;
     if (percale_solver_quality(run->solver, &report->quality_last) != PERCALE_OK)
         return refuse(error, "audit", percale_solver_last_error(run->solver));
+    if (crossings_of(&report->quality_last) > (run->audited ? crossings_of(&report->quality) : 0.0))
+        (void)snprintf(report->crossing, sizeof report->crossing, "frame %u: %.*s", (unsigned)report->frames,
+                       (int)sizeof report->crossing - 32, percale_scene_log(run->scene));
     if (run->audited)
         percale_quality_worsen(&report->quality, &report->quality_last);
     else

@@ -31,6 +31,8 @@ void percale_table_print(const PercaleReport *report)
     for (int stage = 0; stage < PERCALE_STAGE_COUNT; ++stage)
         (void)printf("  %-26s %14.3f\n", percale_stage_name((PercaleStage)stage), report->stage_ms[stage]);
     print_quality(&report->quality, &report->quality_last);
+    if (report->crossing[0] != '\0')
+        (void)printf("%s\n", report->crossing);
     (void)printf("\n%-28s %14.1f MB\n", "peak memory", (double)report->peak_bytes / MEGABYTE);
     (void)printf("%-26s %016" PRIx64 "\n", "state hash", report->state_hash);
 }

@@ -161,6 +161,11 @@ const PercaleSetting *percale_scene_settings(const PercaleScene *scene, uint32_t
     return scene->settings.items;
 }
 
+const char *percale_scene_log(const PercaleScene *scene)
+{
+    return scene->solver_log;
+}
+
 const char *percale_scene_preset(const PercaleScene *scene)
 {
     return scene->settings.preset;
