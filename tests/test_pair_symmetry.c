@@ -1,5 +1,6 @@
 // Pairs don't depend on how the scene is told: which way triangles wind, how vertices and triangles are
-// numbered, how the scene lies in space.
+// numbered, how the scene lies in space. `test_pair_symmetry --full` tells 1,000 scenes of each kind, which
+// takes minutes.
 
 #include "detect/coplanar.h"
 #include "detect/passage.h"
@@ -326,8 +327,11 @@ static void tell_together(Told *tellings, Places *states, PairList lists[2], int
 
 typedef void Fill(Places *states, uint64_t *seed);
 
-static void run_rounds(Fill *fill, float thickness, int rounds, uint64_t least)
+/// Scenes of a kind: the test's number 1 is the full one.
+static void run_rounds(Fill *fill, float thickness, int rounds, uint64_t least, int number)
 {
+    enum { FULL = 1000 };
+    rounds = number > 0 ? FULL : PERCALE_SANITIZED ? (rounds + 5) / 6 : rounds;
     Told *tellings = malloc(TELLING_COUNT * sizeof(Told));
     PairList *lists = malloc(2 * sizeof(PairList));
     Places *states = malloc(STATES * sizeof(Places));
@@ -367,7 +371,7 @@ static void fill_crumpled(Places *states, uint64_t *seed)
 
 START_TEST(crumpled_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_crumpled, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_crumpled, THICKNESS, 60, 60, _i);
 }
 END_TEST
 
@@ -389,14 +393,14 @@ static void fill_passing(Places *states, uint64_t *seed)
 
 START_TEST(sheets_that_pass_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_passing, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 200);
+    run_rounds(fill_passing, THICKNESS, 60, 200, _i);
 }
 END_TEST
 
 /// Pairs of the same neighbourhood keep less than the thickness.
 START_TEST(thick_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_passing, THICK, PERCALE_SANITIZED ? 3 : 15, 200);
+    run_rounds(fill_passing, THICK, 15, 200, _i);
 }
 END_TEST
 
@@ -409,7 +413,7 @@ static void fill_gridded(Places *states, uint64_t *seed)
 
 START_TEST(sheets_on_a_grid_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_gridded, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_gridded, THICKNESS, 60, 60, _i);
 }
 END_TEST
 
@@ -435,7 +439,7 @@ static void fill_flat(Places *states, uint64_t *seed)
 
 START_TEST(flat_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_flat, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 20);
+    run_rounds(fill_flat, THICKNESS, 60, 20, _i);
 }
 END_TEST
 
@@ -454,43 +458,119 @@ static void fill_collapsed(Places *states, uint64_t *seed)
 
 START_TEST(collapsed_sheets_have_the_same_pairs_however_they_are_told)
 {
-    run_rounds(fill_collapsed, THICKNESS, PERCALE_SANITIZED ? 10 : 60, 60);
+    run_rounds(fill_collapsed, THICKNESS, 60, 60, _i);
 }
 END_TEST
 
-/// Halfway the triangle is a line, far from the vertex: no passage, whichever corner is the first.
+/// Halfway through a pass some edges have no length, and some triangles two corners in one place, as
+/// neighbours change places.
+static void fill_swapped(Places *states, uint64_t *seed)
+{
+    fill_gridded(states, seed);
+    for (int i = 2; i < STATES; i += 2) {
+        for (uint32_t name = 0; name + 1 < NAMES; name += 2) {
+            memcpy(states[i + 1][name], states[i][name + 1], sizeof(states[0][0]));
+            memcpy(states[i + 1][name + 1], states[i][name], sizeof(states[0][0]));
+        }
+    }
+}
+
+START_TEST(sheets_whose_edges_turn_over_have_the_same_pairs_however_they_are_told)
+{
+    run_rounds(fill_swapped, THICKNESS, 60, 60, _i);
+}
+END_TEST
+
+// ---- passages ----
+
+typedef bool Passes(const Vec3 *from, const Vec3 *to, PercalePassage *passage);
+
+/// A vertex and a triangle, from each corner and both ways round; two edges, from all ends.
+static const int FACE_ORDERS[][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
+                                     {0, 1, 3, 2}, {0, 3, 2, 1}, {0, 2, 1, 3}};
+static const int EDGE_ORDERS[][4] = {{0, 1, 2, 3}, {1, 0, 2, 3}, {0, 1, 3, 2}, {1, 0, 3, 2},
+                                     {2, 3, 0, 1}, {3, 2, 0, 1}, {2, 3, 1, 0}, {3, 2, 1, 0}};
+enum { FACE_ORDER_COUNT = 6, EDGE_ORDER_COUNT = 8 };
+
+/// In a plane at one time; that is or is no passage, in whatever order the points are given.
+static void expect_passage(bool edges, const Vec3 from[4], const Vec3 to[4], double time, bool expected)
+{
+    Passes *passes = edges ? percale_edges_pass : percale_vertex_passes;
+    for (int i = 0; i < (edges ? EDGE_ORDER_COUNT : FACE_ORDER_COUNT); i++) {
+        const int *order = edges ? EDGE_ORDERS[i] : FACE_ORDERS[i];
+        Vec3 a[4];
+        Vec3 b[4];
+        double times[3];
+        for (int k = 0; k < 4; k++) {
+            a[k] = from[order[k]];
+            b[k] = to[order[k]];
+        }
+        PercalePassage passage;
+        ck_assert_int_eq(percale_coplanar_times(a, b, times), 1);
+        ck_assert_msg(fabs(times[0] - time) < 1e-12, "order %d: at %.17g", i, times[0]);
+        ck_assert_msg(passes(a, b, &passage) == expected, "order %d", i);
+    }
+}
+
+/// Halfway the triangle is a line, far from the vertex.
 START_TEST(a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on)
 {
     const Vec3 from[4] = {{-1, -4, 4}, {-6, -6, 3}, {-6, -1, 6}, {-6, 1, 6}};
     const Vec3 to[4] = {{-2, -4, 5}, {-8, -6, 4}, {-8, -1, 6}, {-8, -1, 7}};
-    const int ORDERS[6][3] = {{1, 2, 3}, {2, 3, 1}, {3, 1, 2}, {1, 3, 2}, {3, 2, 1}, {2, 1, 3}};
-    for (int i = 0; i < 6; i++) {
-        Vec3 a[4] = {from[0]};
-        Vec3 b[4] = {to[0]};
-        double times[3];
-        for (int k = 0; k < 3; k++) {
-            a[1 + k] = from[ORDERS[i][k]];
-            b[1 + k] = to[ORDERS[i][k]];
-        }
-        PercalePassage passage;
-        ck_assert_int_eq(percale_coplanar_times(a, b, times), 1);
-        ck_assert_msg(!percale_vertex_passes(a, b, &passage), "order %d", i);
-    }
+    expect_passage(false, from, to, 0.5, false);
 }
 END_TEST
 
-int main(void)
+/// After a third of the way two corners are in one place.
+START_TEST(a_vertex_does_not_pass_a_triangle_whose_corners_pass_each_other)
 {
+    const Vec3 from[4] = {{-5, -2, -4}, {-2, -1, -5}, {-4, -3, -4}, {-4, -3, -3}};
+    const Vec3 to[4] = {{-5, -2, -4}, {-1, 0, -6}, {-5, -5, -3}, {-5, -5, -5}};
+    expect_passage(false, from, to, 1.0 / 3.0, false);
+}
+END_TEST
+
+/// Halfway one of them has no length, far from the other.
+START_TEST(an_edge_that_turns_over_end_to_end_passes_none)
+{
+    const Vec3 from[4] = {{3, -1, -2}, {4, 0, -3}, {6, -1, -2}, {3, 0, 4}};
+    const Vec3 to[4] = {{3, 0, -3}, {2, -1, -2}, {6, 0, -4}, {2, -1, 4}};
+    expect_passage(true, from, to, 0.5, false);
+}
+END_TEST
+
+/// An end of each is in the same place halfway, where they are three times in a plane.
+START_TEST(edges_pass_at_a_time_that_is_three_in_one)
+{
+    const Vec3 from[4] = {{-1, -2, -3}, {-3, -1, -4}, {-2, -2, -2}, {-5, -2, 0}};
+    const Vec3 to[4] = {{-3, -1, -3}, {-5, -2, -3}, {-2, -1, -4}, {-4, -1, -1}};
+    expect_passage(true, from, to, 0.5, true);
+}
+END_TEST
+
+int main(int argc, char **argv)
+{
+    bool full = argc > 1 && strcmp(argv[1], "--full") == 0;
+    const int first = full ? 1 : 0;
+    const TTest *tests[] = {crumpled_sheets_have_the_same_pairs_however_they_are_told,
+                            sheets_that_pass_have_the_same_pairs_however_they_are_told,
+                            sheets_on_a_grid_have_the_same_pairs_however_they_are_told,
+                            sheets_whose_edges_turn_over_have_the_same_pairs_however_they_are_told,
+                            flat_sheets_have_the_same_pairs_however_they_are_told,
+                            collapsed_sheets_have_the_same_pairs_however_they_are_told,
+                            thick_sheets_have_the_same_pairs_however_they_are_told};
     Suite *suite = suite_create("pair_symmetry");
     TCase *symmetry = tcase_create("symmetry");
     tcase_set_timeout(symmetry, 0);
-    tcase_add_test(symmetry, crumpled_sheets_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, sheets_that_pass_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, sheets_on_a_grid_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, flat_sheets_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, collapsed_sheets_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, thick_sheets_have_the_same_pairs_however_they_are_told);
-    tcase_add_test(symmetry, a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on);
+    for (size_t i = 0; i < sizeof(tests) / sizeof(tests[0]); i++) {
+        tcase_add_loop_test(symmetry, tests[i], first, first + 1);
+    }
     suite_add_tcase(suite, symmetry);
+    TCase *passages = tcase_create("passages");
+    tcase_add_test(passages, a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on);
+    tcase_add_test(passages, a_vertex_does_not_pass_a_triangle_whose_corners_pass_each_other);
+    tcase_add_test(passages, an_edge_that_turns_over_end_to_end_passes_none);
+    tcase_add_test(passages, edges_pass_at_a_time_that_is_three_in_one);
+    suite_add_tcase(suite, passages);
     return percale_test_run(suite);
 }

@@ -7,8 +7,9 @@
 // Squared sine below which edges are parallel: their ends say all.
 static const double PARALLEL = 1e-12;
 
-// Squared sine of a triangle's angle below which its area is rounding.
-static const double NO_AREA = 1e-24;
+// Share of a pair's size below which an edge's length or a triangle's height is rounding. At a time when two
+// points meet, what is left between them points anywhere.
+static const double NO_LENGTH = 1e-10;
 
 bool percale_weigh_edges(const Vec3 *x, double slack, double weights[4])
 {
@@ -41,22 +42,41 @@ static Vec3 across_edges(const Vec3 *x)
     return vcross(vsub(x[1], x[0]), vsub(x[3], x[2]));
 }
 
-static bool weigh_edges(const Vec3 *x, double weights[4], Vec3 *across)
+static double distance2(Vec3 a, Vec3 b)
 {
+    Vec3 between = vsub(a, b);
+    return vdot(between, between);
+}
+
+/// Squared size of the longer edge.
+static double edges_size2(const Vec3 *x)
+{
+    return fmax(distance2(x[0], x[1]), distance2(x[2], x[3]));
+}
+
+/// False, too, when one of the edges turns over end to end at that time: it has no inside then.
+static bool weigh_edges(const Vec3 *x, double size2, double weights[4], Vec3 *across)
+{
+    double least2 = NO_LENGTH * NO_LENGTH * size2;
     *across = across_edges(x);
-    return percale_weigh_edges(x, SEAMLESS, weights);
+    return distance2(x[0], x[1]) > least2 && distance2(x[2], x[3]) > least2 &&
+           percale_weigh_edges(x, SEAMLESS, weights);
+}
+
+/// Squared size of the triangle's longest side.
+static double face_size2(const Vec3 *x)
+{
+    return fmax(fmax(distance2(x[1], x[2]), distance2(x[2], x[3])), distance2(x[3], x[1]));
 }
 
 /// The point x[0] and the triangle of the others. False when it isn't above its inside; a triangle that turns
 /// over edge-on has none at that time.
-static bool weigh_face(const Vec3 *x, double weights[4], Vec3 *across)
+static bool weigh_face(const Vec3 *x, double size2, double weights[4], Vec3 *across)
 {
-    Vec3 u = vsub(x[2], x[1]);
-    Vec3 v = vsub(x[3], x[1]);
-    Vec3 area = vcross(u, v);
+    Vec3 area = vcross(vsub(x[2], x[1]), vsub(x[3], x[1]));
     double scale = vdot(area, area);
     *across = area;
-    if (!(scale > NO_AREA * vdot(u, u) * vdot(v, v))) {
+    if (!(scale > NO_LENGTH * NO_LENGTH * size2 * size2)) {
         return false;
     }
     bool inside = true;
@@ -72,10 +92,11 @@ static bool weigh_face(const Vec3 *x, double weights[4], Vec3 *across)
 }
 
 /// Weights of the features' points where all four are in a plane, and the vector across it. False when they
-/// don't meet there.
-typedef bool Weigh(const Vec3 *x, double weights[4], Vec3 *across);
+/// don't meet there. `size2`: the features' squared size at one end of the way.
+typedef bool Weigh(const Vec3 *x, double size2, double weights[4], Vec3 *across);
 
-static bool find_passage(const Vec3 *from, const Vec3 *to, Weigh *weigh, PercalePassage *passage)
+static bool find_passage(const Vec3 *from, const Vec3 *to, Weigh *weigh, double size2,
+                         PercalePassage *passage)
 {
     double times[3];
     int count = percale_coplanar_times(from, to, times);
@@ -88,7 +109,7 @@ static bool find_passage(const Vec3 *from, const Vec3 *to, Weigh *weigh, Percale
         for (int k = 0; k < 4; k++) {
             x[k] = vadd(from[k], vscale(times[i], vsub(to[k], from[k])));
         }
-        if (weigh(x, here, &plane)) {
+        if (weigh(x, size2, here, &plane)) {
             memcpy(passage->weights, here, sizeof(here));
             passage->time = times[i];
             across = plane;
@@ -105,10 +126,10 @@ static bool find_passage(const Vec3 *from, const Vec3 *to, Weigh *weigh, Percale
 
 bool percale_vertex_passes(const Vec3 *from, const Vec3 *to, PercalePassage *passage)
 {
-    return find_passage(from, to, weigh_face, passage);
+    return find_passage(from, to, weigh_face, fmax(face_size2(from), face_size2(to)), passage);
 }
 
 bool percale_edges_pass(const Vec3 *from, const Vec3 *to, PercalePassage *passage)
 {
-    return find_passage(from, to, weigh_edges, passage);
+    return find_passage(from, to, weigh_edges, fmax(edges_size2(from), edges_size2(to)), passage);
 }
