@@ -49,6 +49,18 @@ static Problem random_problem(uint32_t count, uint32_t point_count, uint64_t see
     return problem;
 }
 
+/// count constraints that all move vertex 0 and three vertices of their own.
+static Problem make_star(uint32_t count)
+{
+    Problem problem = new_problem(count, 1 + 3 * count);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 1; k < ARITY; k++) {
+            problem.vertices[i][k] = 3 * i + k;
+        }
+    }
+    return problem;
+}
+
 static void free_problem(Problem *problem)
 {
     free(problem->vertices);
@@ -74,12 +86,17 @@ static void close_bench(Bench *bench)
     ck_assert_uint_eq(bench->memory.bytes, 0);
 }
 
-static void color(Bench *bench, const Problem *problem)
+static void color_some_late(Bench *bench, const Problem *problem, const uint8_t *waits)
 {
     PercaleConstraints constraints = {
-        &problem->vertices[0][0], ARITY, &problem->weights[0][0], ARITY, ARITY, problem->count, false, NULL};
+        &problem->vertices[0][0], ARITY, &problem->weights[0][0], ARITY, ARITY, problem->count, false, waits};
     ck_assert(percale_coloring_run(&bench->coloring, &bench->memory, &constraints, problem->points,
                                    problem->point_count));
+}
+
+static void color(Bench *bench, const Problem *problem)
+{
+    color_some_late(bench, problem, NULL);
 }
 
 static uint32_t remainder_of(const PercaleColoring *coloring)
@@ -148,7 +165,7 @@ START_TEST(no_colour_moves_a_vertex_twice)
 {
     Bench bench;
     open_bench(&bench);
-    for (uint64_t seed = 1; seed <= 40; seed++) { // from sparse to crowded beyond 64 colours
+    for (uint64_t seed = 1; seed <= 40; seed++) { // from sparse to crowded beyond a round
         uint32_t point_count = (uint32_t)(60 * seed - 50);
         Problem problem = random_problem(600, point_count, seed);
         color(&bench, &problem);
@@ -183,14 +200,15 @@ START_TEST(the_same_input_gives_the_same_colours_whatever_came_before)
     Bench used;
     open_bench(&fresh);
     open_bench(&used);
-    Problem other = random_problem(2000, 40, 8);
+    Problem other = make_star(COLORS_MAX + 100);
     Problem problem = random_problem(700, 500, 9);
     color(&used, &other);
     ck_assert_uint_gt(remainder_of(&used.coloring), 0); // the hardest case leaves the most behind
     color(&used, &problem);
     color(&fresh, &problem);
     ck_assert_uint_eq(used.coloring.color_count, fresh.coloring.color_count);
-    ck_assert_mem_eq(used.coloring.first, fresh.coloring.first, sizeof(fresh.coloring.first));
+    ck_assert_mem_eq(used.coloring.first, fresh.coloring.first,
+                     (fresh.coloring.color_count + 1) * sizeof(fresh.coloring.first[0]));
     ck_assert_mem_eq(used.coloring.order, fresh.coloring.order, problem.count * sizeof(uint32_t));
     for (size_t i = 0; i < used.coloring.used_capacity; i++) {
         ck_assert_uint_eq(used.coloring.used[i], 0);
@@ -202,21 +220,10 @@ START_TEST(the_same_input_gives_the_same_colours_whatever_came_before)
 }
 END_TEST
 
-/// count constraints that all move vertex 0 and three vertices of their own.
-static Problem make_star(uint32_t count)
-{
-    Problem problem = new_problem(count, 1 + 3 * count);
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t k = 1; k < ARITY; k++) {
-            problem.vertices[i][k] = 3 * i + k;
-        }
-    }
-    return problem;
-}
-
 START_TEST(constraints_on_one_vertex_need_a_colour_each)
 {
-    static const uint32_t COUNTS[] = {1, 2, 40, 63, 64, 65, 100};
+    static const uint32_t COUNTS[] = {
+        1, 2, 40, 63, 64, 65, 128, 129, 400, COLORS_MAX, COLORS_MAX + 1, COLORS_MAX + 100};
     Bench bench;
     open_bench(&bench);
     for (size_t i = 0; i < sizeof(COUNTS) / sizeof(COUNTS[0]); i++) {
@@ -229,6 +236,75 @@ START_TEST(constraints_on_one_vertex_need_a_colour_each)
         free_problem(&problem);
     }
     close_bench(&bench);
+}
+END_TEST
+
+/// First fit as one would write it down: a table of which vertex has which colour.
+static void fit_slowly(const Problem *problem, const uint8_t *waits, uint32_t *colors)
+{
+    enum { MOST = 1 << 12 };
+    bool(*used)[MOST] = calloc(problem->point_count, sizeof(used[0]));
+    ck_assert_ptr_nonnull(used);
+    for (uint8_t late = 0; late < 2; late++) {
+        for (uint32_t i = 0; i < problem->count; i++) {
+            for (colors[i] = waits[i] == late ? 0 : colors[i]; waits[i] == late;) {
+                bool is_taken = false;
+                for (uint32_t k = 0; k < ARITY; k++) {
+                    is_taken = is_taken || (moves(problem, i, k) && used[problem->vertices[i][k]][colors[i]]);
+                }
+                if (!is_taken) {
+                    break;
+                }
+                colors[i]++;
+            }
+            for (uint32_t k = 0; waits[i] == late && k < ARITY; k++) {
+                used[problem->vertices[i][k]][colors[i]] |= moves(problem, i, k);
+            }
+        }
+    }
+    free(used);
+}
+
+/// Sparse problems need one round, dense ones many; some leave a remainder.
+START_TEST(rounds_give_the_colours_of_one_first_fit)
+{
+    enum { COUNT = 1500 };
+    static const uint32_t POINTS[] = {3, 6, 12, 50, 200, 2000};
+    uint32_t *colors = malloc(COUNT * sizeof(*colors));
+    uint8_t *waits = malloc(COUNT);
+    uint64_t seed = 3;
+    uint32_t most = 0;
+    uint32_t least = UINT32_MAX;
+    uint32_t left = 0;
+    Bench bench;
+    open_bench(&bench);
+    for (size_t i = 0; i < sizeof(POINTS) / sizeof(POINTS[0]); i++) {
+        Problem problem = random_problem(COUNT, POINTS[i], 5 + i);
+        for (uint32_t k = 0; k < COUNT; k++) {
+            waits[k] = percale_test_random(&seed) < 0.3;
+        }
+        color_some_late(&bench, &problem, waits);
+        fit_slowly(&problem, waits, colors);
+        expect_each_once(&bench.coloring);
+        for (uint32_t c = 0; c <= bench.coloring.color_count; c++) {
+            bool last = c == bench.coloring.color_count;
+            uint32_t end = last ? COUNT : bench.coloring.first[c + 1];
+            for (uint32_t at = bench.coloring.first[c]; at < end; at++) {
+                uint32_t expected = colors[bench.coloring.order[at]];
+                ck_assert_uint_eq(expected < COLORS_MAX ? expected : COLORS_MAX, last ? COLORS_MAX : c);
+            }
+        }
+        most = bench.coloring.color_count > most ? bench.coloring.color_count : most;
+        least = bench.coloring.color_count < least ? bench.coloring.color_count : least;
+        left += remainder_of(&bench.coloring);
+        free_problem(&problem);
+    }
+    ck_assert_uint_lt(least, COLORS_OF_ROUND);
+    ck_assert_uint_eq(most, COLORS_MAX);
+    ck_assert_uint_gt(left, 0);
+    close_bench(&bench);
+    free(colors);
+    free(waits);
 }
 END_TEST
 
@@ -370,6 +446,7 @@ int main(void)
     tcase_add_test(rules, inside_a_colour_the_old_order_stays);
     tcase_add_test(rules, the_same_input_gives_the_same_colours_whatever_came_before);
     tcase_add_test(rules, constraints_on_one_vertex_need_a_colour_each);
+    tcase_add_test(rules, rounds_give_the_colours_of_one_first_fit);
     tcase_add_test(rules, a_vertex_that_cannot_move_takes_no_part);
     tcase_add_test(rules, a_vertex_without_weight_takes_no_part);
     tcase_add_test(rules, colours_do_not_depend_on_those_that_wait);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SPOKES = 100 }; // of the fan: more than there are colours
+enum { SPOKES = COLORS_MAX + 36 }; // of the fan: more than there are colours
 
 typedef enum Kind { SHEET, SEWN, FAN, KINDS } Kind;
 
@@ -464,7 +464,7 @@ START_TEST(what_fits_into_no_colour_makes_runs_of_one)
 {
     Bench bench;
     open_bench(&bench, FAN);
-    batch(&bench, _i == 0 ? 0 : 1024);
+    batch(&bench, _i == 0 ? 0 : 2 * SPOKES); // without tiles, and in one
     const PercaleBatches *kinds[2] = {&bench.edges, &bench.hinges};
     for (int i = 0; i < 2; i++) {
         ck_assert_uint_eq(kinds[i]->color_count, COLORS_MAX);

@@ -6,7 +6,10 @@
 // Greedy first fit with one 64-bit mask per vertex, in the order of the constraints, which makes the result
 // independent of threads. Those that wait choose after the others, whose colours so don't depend on them. A
 // vertex that can't move (inverse mass 0) or carries no weight takes no part, if the kernel leaves it alone.
-// What doesn't fit into 64 colours goes to a remainder that is solved on one thread, and is counted.
+//
+// What doesn't fit into the 64 colours of a mask is coloured again, in a further round of 64, as if the masks
+// were longer; only a pile of sheets pressed together needs that, and only it pays. What is left after all
+// rounds goes to a remainder that is solved on one thread, and is counted.
 
 #ifndef PERCALE_COLORING_H
 #define PERCALE_COLORING_H
@@ -14,15 +17,19 @@
 #include "base/memory.h"
 #include "base/simd.h"
 
-enum { COLORS_MAX = 64 };
+enum {
+    COLORS_OF_ROUND = 64, // bits of a mask
+    ROUNDS_MAX = 16,      // colours of more constraints on one vertex than that would hold few of them
+    COLORS_MAX = ROUNDS_MAX * COLORS_OF_ROUND
+};
 
 typedef struct PercaleColoring {
     uint32_t color_count;
-    uint32_t first[COLORS_MAX + 1]; // colour c holds order[first[c]] .. order[first[c + 1]]
+    uint32_t first[COLORS_MAX + 1]; // [color_count + 1]; order[first[c]] .. order[first[c + 1]] have colour c
     uint32_t count;                 // all constraints; order[first[color_count]] .. is the remainder
     uint32_t *order;                // [count] constraint indices
     size_t order_capacity;
-    uint8_t *color_of; // scratch
+    uint16_t *color_of; // scratch
     size_t color_of_capacity;
     uint64_t *used; // [point_count] scratch, all zero between calls
     size_t used_capacity;
