@@ -252,6 +252,7 @@ static void drop_model(PercaleSolver *solver)
     percale_memory_free(solve, solver->hinge_multipliers);
     percale_memory_free(solve, solver->bend_weights);
     percale_memory_free(solve, solver->bend_relaxations);
+    percale_memory_free(solve, solver->bend_pushes);
     percale_memory_free(solve, solver->seam_targets);
     solver->rays = NULL;
     solver->proximities = NULL;
@@ -262,6 +263,7 @@ static void drop_model(PercaleSolver *solver)
     solver->hinge_multipliers = NULL;
     solver->bend_weights = NULL;
     solver->bend_relaxations = NULL;
+    solver->bend_pushes = NULL;
     solver->bend_dt = 0.0f;
     solver->seam_targets = NULL;
     percale_model_free(&solver->model, &solver->model_memory);
@@ -325,6 +327,8 @@ static bool allocate_solve(PercaleSolver *solver)
            allocate_some(memory, &solver->bend_weights, model->hinge_count, sizeof(f32x4)) &&
            allocate_some(memory, &solver->hinge_multipliers, repeated_count, sizeof(f32x4)) &&
            allocate_some(memory, &solver->bend_relaxations, repeated_count, sizeof(float)) &&
+           allocate_some(memory, &solver->bend_pushes, model->hinge_count > 0 ? model->slot_count : 0,
+                         sizeof(f32x4)) &&
            allocate_some(memory, &solver->pin_from, model->pinned_count, sizeof(f32x4)) &&
            allocate_some(memory, &solver->pin_to, model->pinned_count, sizeof(f32x4)) &&
            allocate_some(memory, &solver->seam_targets, model->open_seam_count, sizeof(float));

@@ -14,6 +14,7 @@
 #include "predict/look_ahead.h"
 #include "predict/obstacle_motion.h"
 #include "predict/predict.h"
+#include "solve/held_bending.h"
 #include "solve/sweep.h"
 
 #include <stdatomic.h>
@@ -487,11 +488,35 @@ static PercaleSolveArrays solve_arrays(const Substep *substep)
                                 solver->contact_coloring.order};
 }
 
+/// Slow bending is a force, like gravity, that is found anew in some substeps.
+static PercaleResult hold_bending(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    uint32_t interval = solver->bend_interval;
+    if (solver->model.hinge_count == 0 || interval == 1) {
+        return PERCALE_OK;
+    }
+    PercaleHeldBending held = {.plan = {.arrays = solve_arrays(substep),
+                                        .hinges = &solver->hinges,
+                                        .sweep_count = (uint32_t)solver->def.iterations},
+                               .interval = interval,
+                               .due = (uint32_t)substep->index % interval == 0,
+                               .pushes = solver->bend_pushes};
+    if (!percale_held_bending_run(&held, substep->team, &solver->arena)) {
+        return percale_fail_memory(&solver->error);
+    }
+    uint64_t bend = held.due ? (uint64_t)held.plan.sweep_count * solver->model.hinge_count : 0;
+    solver->counters.projections_bend += bend;
+    solver->counters.projections += bend;
+    end_stage(substep, PERCALE_STAGE_SOLVE);
+    return PERCALE_OK;
+}
+
 static PercaleResult solve(Substep *substep, uint32_t sweep_count)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
-    bool bends = model->hinge_count > 0 && (uint32_t)substep->index % solver->bend_interval == 0;
+    bool bends = model->hinge_count > 0 && solver->bend_interval == 1;
     PercaleBatches none = {0};
     PercaleSweepPlan plan = {
         .arrays = solve_arrays(substep),
@@ -639,8 +664,11 @@ static PercaleResult run_substep(Substep *substep)
     const PercaleSolverDef *def = &substep->solver->def;
     PercaleResult result = predict(substep);
     if (result == PERCALE_OK) {
-        result = detect_obstacles(substep);
         begin_solve(substep);
+        result = hold_bending(substep);
+    }
+    if (result == PERCALE_OK) {
+        result = detect_obstacles(substep);
     }
     uint64_t sweep = (uint64_t)substep->index * (uint64_t)def->iterations;
     uint64_t end = sweep + (uint64_t)def->iterations;

@@ -242,6 +242,43 @@ START_TEST(a_minute_on_the_ground_is_rest)
 }
 END_TEST
 
+/// Bumps of a few millimetres, a hand's width from top to top.
+static PercaleMesh hills(double height)
+{
+    PercaleMesh mesh = percale_test_sheet(24, 0.5f);
+    uint64_t seed = 3;
+    for (size_t i = 0; i < mesh.vertex_count; i++) {
+        float *x = mesh.positions + 3 * i;
+        x[0] += (float)(0.008 * (percale_test_random(&seed) - 0.5));
+        x[2] += (float)(0.008 * (percale_test_random(&seed) - 0.5));
+        x[1] = (float)(height * sin(60.0 * (double)x[0]) * cos(50.0 * (double)x[2]));
+    }
+    return mesh;
+}
+
+/// Stiffnesses whose bending acts in every 1st to 10th substep; 0: never.
+static const float LIMP[] = {0.0f, 1e-6f, 1e-5f, 1e-4f};
+enum { LIMP_COUNT = sizeof(LIMP) / sizeof(LIMP[0]) };
+
+/// Between tops it is bending that holds the cloth up.
+START_TEST(limp_cloth_rests_on_hills)
+{
+    const int frames = PERCALE_SANITIZED ? 120 : 300;
+    PercaleSolver *solver = solver_of(SPLITS[0], 9.81f);
+    PercaleMesh ground = hills(_i % 2 == 0 ? 0.003 : 0.01);
+    add_obstacle(solver, &ground);
+    PercaleCloth cloth = add_sheet(solver, 0.015f, 0.1, LIMP[_i / 2]);
+    for (int frame = 0; frame < frames; frame++) {
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+    }
+    double fastest;
+    double energy;
+    speeds(solver, cloth, &fastest, &energy);
+    ck_assert_msg(energy < HUM, "%g J/kg", energy);
+    percale_solver_destroy(solver);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("rest");
@@ -255,6 +292,7 @@ int main(void)
     TCase *rest = tcase_create("rest");
     tcase_set_timeout(rest, 0);
     tcase_add_loop_test(rest, a_minute_on_the_ground_is_rest, 0, SPLIT_COUNT);
+    tcase_add_loop_test(rest, limp_cloth_rests_on_hills, 0, 2 * LIMP_COUNT);
     suite_add_tcase(suite, rest);
     return percale_test_run(suite);
 }

@@ -309,6 +309,93 @@ START_TEST(the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_subs
 }
 END_TEST
 
+enum { BENT = 9, BENT_COUNT = BENT * BENT };
+
+/// A sheet that is flat at rest, rolled to a piece of a tube, free in space.
+static PercaleSolver *roll_sheet(float stiffness, int substeps, PercaleCloth *handle)
+{
+    const double RADIUS = 0.15; // m
+    PercaleMesh sheet = percale_test_sheet(BENT, 0.2f);
+    float rolled[3 * BENT_COUNT];
+    for (size_t i = 0; i < 3 * BENT_COUNT; i += 3) {
+        double angle = (double)sheet.positions[i] / RADIUS;
+        rolled[i] = (float)(RADIUS * sin(angle));
+        rolled[i + 1] = (float)(RADIUS * cos(angle));
+        rolled[i + 2] = sheet.positions[i + 2];
+    }
+    PercaleSolverDef def = percale_solver_def_default();
+    def.substeps = def.passes = substeps;
+    def.iterations = 1;
+    def.gravity[0] = def.gravity[1] = def.gravity[2] = 0.0f;
+    def.self_collision = 0;
+    def.damping = 0.0f;
+    PercaleSolver *solver = percale_test_solver(def);
+    PercaleClothDef cloth = percale_test_cloth_def(&sheet);
+    cloth.positions = rolled;
+    cloth.rest_positions = sheet.positions;
+    cloth.material.bending_stiffness = stiffness;
+    PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth, handle));
+    percale_mesh_free(&sheet);
+    return solver;
+}
+
+/// Steps of one substep each are as long, and leave no substep out.
+START_TEST(bending_at_an_interval_moves_cloth_as_that_of_every_substep)
+{
+    enum { SUBSTEPS = 20, FRAMES = 30 };
+    PercaleCloth cloths[2];
+    PercaleSolver *seldom = roll_sheet(2e-6f, SUBSTEPS, &cloths[0]);
+    PercaleSolver *often = roll_sheet(2e-6f, 1, &cloths[1]);
+    float start[3 * BENT_COUNT];
+    float x[2][3 * BENT_COUNT];
+    PERCALE_TEST_OK(seldom, percale_cloth_get_positions(seldom, cloths[0], start, 0));
+    for (int frame = 0; frame < FRAMES; frame++) {
+        PERCALE_TEST_OK(seldom, percale_solver_step(seldom, 1.0 / 60.0));
+        for (int i = 0; i < SUBSTEPS; i++) {
+            PERCALE_TEST_OK(often, percale_solver_step(often, 1.0 / 60.0 / SUBSTEPS));
+        }
+    }
+    ck_assert_uint_ge(seldom->bend_interval, 4);
+    ck_assert_uint_eq(often->bend_interval, 1);
+    PERCALE_TEST_OK(seldom, percale_cloth_get_positions(seldom, cloths[0], x[0], 0));
+    PERCALE_TEST_OK(often, percale_cloth_get_positions(often, cloths[1], x[1], 0));
+    double way = 0.0;
+    double apart = 0.0;
+    for (int i = 0; i < 3 * BENT_COUNT; i++) {
+        way = fmax(way, fabs((double)(x[1][i] - start[i])));
+        apart = fmax(apart, fabs((double)(x[0][i] - x[1][i])));
+    }
+    ck_assert_double_gt(way, 2e-3); // m
+    ck_assert_double_lt(apart, 0.05 * way);
+    percale_solver_destroy(seldom);
+    percale_solver_destroy(often);
+}
+END_TEST
+
+/// A force that is older than the shape would feed the ripples of the mesh.
+START_TEST(bending_at_an_interval_feeds_no_swing)
+{
+    enum { FRAMES = PERCALE_SANITIZED ? 240 : 900 };
+    PercaleCloth cloth;
+    PercaleSolver *solver = roll_sheet(2e-6f, 20, &cloth);
+    double most = 0.0; // in the first second
+    double last = 0.0;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        float v[3 * BENT_COUNT];
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, 1.0 / 60.0));
+        PERCALE_TEST_OK(solver, percale_cloth_get_velocities(solver, cloth, v, 0));
+        last = 0.0;
+        for (int i = 0; i < 3 * BENT_COUNT; i++) {
+            last += (double)v[i] * (double)v[i] / (2 * BENT_COUNT);
+        }
+        most = frame < 60 ? fmax(most, last) : most;
+    }
+    ck_assert_uint_ge(solver->bend_interval, 4);
+    ck_assert_double_lt(last, most);
+    percale_solver_destroy(solver);
+}
+END_TEST
+
 // The impulse of n substeps at once: to first order in the stiffness the movement is n times as large.
 START_TEST(bending_at_an_interval_is_as_strong_as_the_substeps_it_stands_for)
 {
@@ -351,6 +438,8 @@ int main(void)
     suite_add_tcase(suite, tethers);
     TCase *bending = tcase_create("bending");
     tcase_add_test(bending, the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_substeps);
+    tcase_add_test(bending, bending_at_an_interval_moves_cloth_as_that_of_every_substep);
+    tcase_add_test(bending, bending_at_an_interval_feeds_no_swing);
     tcase_add_test(bending, bending_at_an_interval_is_as_strong_as_the_substeps_it_stands_for);
     suite_add_tcase(suite, bending);
     return percale_test_run(suite);

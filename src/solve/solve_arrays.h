@@ -53,8 +53,8 @@ bool percale_solve_contact_slips(const PercaleSolveArrays *arrays, uint32_t begi
 /// Takes the velocity away with which an overlap at the start was undone: a correction is no motion.
 PercaleKernel percale_solve_contact_exit;
 
-/// Every how many substeps bending needs to act, then that many times as strong (an impulse, as in multiple
-/// time stepping: Tuckerman et al. 1992): 1 where it is stiff, up to 20 where even so the fastest hinge turns
+/// Every how many substeps the force of bending needs to be found (multiple time stepping: Tuckerman et al.
+/// 1992): 1 where it is stiff, up to 20 where even so the fastest hinge turns
 /// slowly. It divides substep_count.
 uint32_t percale_solve_bend_interval(const PercaleModel *model, float dt, uint32_t substep_count);
 

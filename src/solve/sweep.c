@@ -69,6 +69,14 @@ static void add_phase(Program *program, PercaleRange *run, void *context, uint32
     }
 }
 
+/// The tiles of each level are a phase.
+static void add_tiles(Program *program, Tiles *tiles, const PercaleTiling *tiling)
+{
+    for (uint32_t level = 0; level < tiling->level_count; level++) {
+        add_phase(program, run_tiles, tiles, tiling->first_tile[level], tiling->first_tile[level + 1], 1);
+    }
+}
+
 /// The runs that join tiles: a phase each, short ones in a row as one phase of one chunk.
 static void add_runs(Program *program, Kind *kind)
 {
@@ -178,6 +186,25 @@ bool percale_sweep_outwards(const PercaleSweepPlan *plan, PercaleTeam *team, Per
     return true;
 }
 
+bool percale_sweep_hinges(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
+{
+    const PercaleBatches none = {0};
+    Kind hinges = {&plan->arrays, plan->hinges, percale_solve_bend, GRAIN_HINGES};
+    Kind edges = {&plan->arrays, &none, percale_solve_stretch, GRAIN_EDGES};
+    Tiles tiles = {&hinges, &edges};
+    size_t most = (size_t)plan->hinges->run_count + TILE_LEVELS_MAX;
+    Program program = {percale_arena_new(arena, most, sizeof(PercalePhase)), 0};
+    if (program.phases == NULL) {
+        return false;
+    }
+    add_tiles(&program, &tiles, &plan->hinges->tiling);
+    add_runs(&program, &hinges);
+    for (uint32_t sweep = 0; sweep < plan->sweep_count; sweep++) {
+        percale_team_run(team, program.phases, program.count);
+    }
+    return true;
+}
+
 bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena)
 {
     const PercaleSolveArrays *arrays = &plan->arrays;
@@ -194,9 +221,7 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
         return false;
     }
     const PercaleTiling *tiling = plan->edges->count > 0 ? &plan->edges->tiling : &plan->hinges->tiling;
-    for (uint32_t level = 0; level < tiling->level_count; level++) {
-        add_phase(&program, run_tiles, &tiles, tiling->first_tile[level], tiling->first_tile[level + 1], 1);
-    }
+    add_tiles(&program, &tiles, tiling);
     add_runs(&program, &hinges);
     add_runs(&program, &edges);
     uint32_t tethered = arrays->model->tether_layers > 0 ? arrays->model->slot_count : 0;

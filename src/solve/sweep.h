@@ -30,6 +30,9 @@ bool percale_sweep_run(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleA
 /// propagation: Guendelman et al. 2003, section 7.2). False without memory.
 bool percale_sweep_outwards(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
+/// The hinges alone. False without memory.
+bool percale_sweep_hinges(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
+
 /// After the velocities are known: those of corrections are taken away. False without memory.
 bool percale_sweep_exits(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 
