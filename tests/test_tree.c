@@ -39,7 +39,13 @@ static void expect_nearest(const Scene *scene, Vec3 point, double radius, uint32
         ck_abort_msg("(%.9g, %.9g, %.9g) within %g, seed %u: triangle %u, the twin says %u", point.x, point.y,
                      point.z, radius, seed_triangle, found.triangle, expected.triangle);
     }
-    if (found.triangle == NO_TRIANGLE) {
+    if (found.triangle ==
+        NO_TRIANGLE) { // nothing is nearer than it says, and it says no less than it was asked
+        double nearest2 = nearest_by_all_pairs(&scene->mesh, point, 1e6).closest.distance2;
+        if (!(found.closest.distance2 <= nearest2) || !(found.closest.distance2 >= radius * radius)) {
+            ck_abort_msg("(%.9g, %.9g, %.9g): nothing within %.9g, it says, beyond %.9g, the twin %.9g",
+                         point.x, point.y, point.z, radius, sqrt(found.closest.distance2), sqrt(nearest2));
+        }
         return;
     }
     double distance = vlength(vsub(point, found.foot));

@@ -101,12 +101,11 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     }
     PercaleNearest nearest =
         percale_surface_nearest(surface, point, (double)radius, proximity->nearest[slot]);
+    proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
     if (nearest.triangle == NO_TRIANGLE) {
-        proximity->clearance[slot] = radius;
         return IDLE_SEARCHED;
     }
     proximity->nearest[slot] = nearest.triangle;
-    proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
     proximity->side[slot] = (int8_t)percale_surface_side(surface, point, &nearest);
     bool near = proximity->clearance[slot] - motion <= reach || (closed && proximity->side[slot] < 0);
     return near ? ACTIVE_SEARCHED : IDLE_SEARCHED;

@@ -29,8 +29,10 @@ static PercaleClosest closest_on(const PercaleSurface *surface, Vec3 point, uint
     return percale_closest_on_triangle(point, c[0], c[1], c[2]);
 }
 
-static void keep_nearer(PercaleNearest *best, PercaleClosest closest, uint32_t triangle)
+/// Keeps the nearer of two; of what is not kept, how near it is.
+static void keep_nearer(PercaleNearest *best, PercaleClosest closest, uint32_t triangle, double *beyond2)
 {
+    *beyond2 = closest.distance2 < *beyond2 ? closest.distance2 : *beyond2;
     if (closest.distance2 < best->closest.distance2 ||
         (closest.distance2 <= best->closest.distance2 && triangle < best->triangle)) {
         best->closest = closest;
@@ -49,6 +51,24 @@ static float box_limit(double distance2, double rounding)
     double distance = rounding > 0.0 ? sqrt(distance2) + rounding : 0.0;
     double limit = (rounding > 0.0 ? distance * distance : distance2) * (1.0 + (double)BOX_SLACK);
     return limit < (double)FLT_MAX ? (float)limit : FLT_MAX; // an absent child is infinitely far
+}
+
+/// The smaller of two by lane, where the second is beyond the limit.
+static f32x8 least_beyond(f32x8 least, f32x8 distance2, float limit)
+{
+    i32x8 smaller = greater8(distance2, all8(limit)) & greater8(least, distance2);
+    return (f32x8)(((i32x8)distance2 & smaller) | ((i32x8)least & ~smaller));
+}
+
+/// Of boxes at these squared distances, one that nothing in them is nearer than.
+static double box_bound(f32x8 distance2, double rounding)
+{
+    float least = INFINITY;
+    for (int k = 0; k < TREE_WIDTH; k++) {
+        least = distance2[k] < least ? distance2[k] : least;
+    }
+    double distance = sqrt((double)least * (1.0 - (double)BOX_SLACK)) - rounding;
+    return distance > 0.0 ? distance * distance : 0.0;
 }
 
 /// Pushes the children within the limit, the farthest first, so that the nearest is popped next.
@@ -78,8 +98,10 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
     f32x4 at = f32x4_of(point, 0.0f);
     double rounding = rounding_of(point, at);
     PercaleNearest best = {NO_TRIANGLE, {radius * radius, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
+    f32x8 boxes_beyond2 = all8(INFINITY); // squared distances of boxes not looked into, and of triangles
+    double beyond2 = HUGE_VAL;
     if (seed != NO_TRIANGLE) {
-        keep_nearer(&best, closest_on(surface, point, seed), seed);
+        keep_nearer(&best, closest_on(surface, point, seed), seed, &beyond2);
     }
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
@@ -87,6 +109,7 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
         f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
+        boxes_beyond2 = least_beyond(boxes_beyond2, distance2, box_limit(best.closest.distance2, rounding));
         if (entry.level > 0) {
             size = push_near_children(stack, size, entry, distance2,
                                       box_limit(best.closest.distance2, rounding));
@@ -99,12 +122,15 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
             if (distance2[k] <=
                 box_limit(best.closest.distance2, rounding)) { // the limit may have shrunk since
                 uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
-                keep_nearer(&best, closest_on(surface, point, triangle), triangle);
+                keep_nearer(&best, closest_on(surface, point, triangle), triangle, &beyond2);
             }
         }
     }
     if (best.triangle != NO_TRIANGLE) {
         best.foot = percale_surface_point(surface, best.triangle, best.closest.weights);
+    } else {
+        best.closest.distance2 = fmin(beyond2, box_bound(boxes_beyond2, rounding));
+        best.closest.distance2 = fmax(best.closest.distance2, radius * radius);
     }
     return best;
 }

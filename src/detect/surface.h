@@ -25,9 +25,9 @@ typedef struct PercaleSurface {
 } PercaleSurface;
 
 typedef struct PercaleNearest {
-    uint32_t triangle; // NO_TRIANGLE: nothing within the radius
-    PercaleClosest closest;
-    Vec3 foot; // the closest point
+    uint32_t triangle;      // NO_TRIANGLE: nothing within the radius; then
+    PercaleClosest closest; // its distance is a bound, often far beyond the radius: nothing is nearer
+    Vec3 foot;              // the closest point
 } PercaleNearest;
 
 /// The contact features that a triangle and a region name: a face, an edge or a vertex, each numbered on its

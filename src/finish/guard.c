@@ -94,11 +94,11 @@ static void lift_out(const PercaleGuardStage *stage, uint32_t slot, double gap, 
     put_back(stage, slot, position, nearest->triangle, nearest->closest.weights, outward);
 }
 
-static void remember(const PercaleGuardStage *stage, uint32_t slot, const Judgement *judgement, double radius)
+static void remember(const PercaleGuardStage *stage, uint32_t slot, const Judgement *judgement)
 {
     PercaleProximity *proximity = stage->proximity;
     bool found = judgement->nearest.triangle != NO_TRIANGLE;
-    proximity->clearance[slot] = (float)(found ? sqrt(judgement->nearest.closest.distance2) : radius);
+    proximity->clearance[slot] = (float)sqrt(judgement->nearest.closest.distance2);
     proximity->side[slot] = (int8_t)(found ? judgement->side : 0);
     proximity->nearest[slot] = found ? judgement->nearest.triangle : proximity->nearest[slot];
 }
@@ -161,7 +161,7 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
     }
     counts.truncated = crossed;
     counts.left_inside = is_below(stage, &judgement) && is_held;
-    remember(stage, slot, &judgement, radius);
+    remember(stage, slot, &judgement);
     return counts;
 }
 
