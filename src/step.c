@@ -613,6 +613,16 @@ static bool end_exits(Substep *substep)
     return percale_sweep_exits(&plan, substep->team, &substep->solver->arena);
 }
 
+/// Whether an obstacle has moved in the running substep.
+static bool has_moved_obstacles(const PercaleSolver *solver)
+{
+    bool moved = false;
+    for (uint32_t o = 0; o < solver->model.obstacle_count; o++) {
+        moved = moved || solver->frames[o].motion != MOTION_STATIC;
+    }
+    return moved;
+}
+
 static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
@@ -652,7 +662,7 @@ static PercaleResult finish(Substep *substep)
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
-    percale_advance_commit(model);
+    percale_advance_commit(model, has_moved_obstacles(solver));
     end_stage(substep, PERCALE_STAGE_FINISH);
     return PERCALE_OK;
 }

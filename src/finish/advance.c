@@ -71,7 +71,7 @@ uint32_t percale_advance_find_bad(PercaleModel *model, PercaleTeam *team)
     return advance.bad;
 }
 
-void percale_advance_commit(PercaleModel *model)
+void percale_advance_commit(PercaleModel *model, bool obstacles_moved)
 {
     f32x4 *position = model->position;
     f32x4 *velocity = model->velocity;
@@ -79,7 +79,9 @@ void percale_advance_commit(PercaleModel *model)
     model->velocity = model->next_velocity;
     model->predicted = position;
     model->next_velocity = velocity;
-    size_t obstacle_points = model->point_count - model->slot_count;
-    memcpy(model->predicted + model->slot_count, model->position + model->slot_count,
-           obstacle_points * sizeof(f32x4));
+    if (obstacles_moved) {
+        size_t obstacle_points = model->point_count - model->slot_count;
+        memcpy(model->predicted + model->slot_count, model->position + model->slot_count,
+               obstacle_points * sizeof(f32x4));
+    }
 }

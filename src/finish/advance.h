@@ -15,6 +15,8 @@
 #include "base/team.h"
 #include "model/model.h"
 
+#include <stdbool.h>
+
 /// Computes next_velocity. Returns the slot of the first vertex whose predicted position or new velocity is
 /// NaN or infinite, UINT32_MAX for none. The committed state is as before.
 uint32_t percale_advance_velocities(PercaleModel *model, float dt, PercaleTeam *team);
@@ -23,7 +25,7 @@ uint32_t percale_advance_velocities(PercaleModel *model, float dt, PercaleTeam *
 uint32_t percale_advance_find_bad(PercaleModel *model, PercaleTeam *team);
 
 /// The solved state becomes the committed one, at once: the arrays change places. Obstacles stand where they
-/// are in both of them.
-void percale_advance_commit(PercaleModel *model);
+/// are in both of them; only when one has moved is there anything to do for that.
+void percale_advance_commit(PercaleModel *model, bool obstacles_moved);
 
 #endif
