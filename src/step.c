@@ -114,8 +114,8 @@ static float later_substeps(const PercaleSolverDef *def)
 static PercalePair pair_of(const Substep *substep, uint32_t obstacle)
 {
     const PercaleSolver *solver = substep->solver;
-    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle], later_substeps(&solver->def),
-                         substep->has_pass};
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
+                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass};
 }
 
 /// Moves the obstacle to the end of the substep; its tree is still at the start.

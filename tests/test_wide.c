@@ -276,6 +276,30 @@ START_TEST(what_is_not_finite_is_seen_in_its_own_lane_alone)
 }
 END_TEST
 
+START_TEST(of_eight_bytes_the_sign_of_each_is_seen_alone)
+{
+    static const int8_t SOME[] = {0, 1, 2, -1, 127, -128, 64};
+    enum { SOME_COUNT = sizeof(SOME) };
+    for (uint32_t i = 0; i < SOME_COUNT * SOME_COUNT * SOME_COUNT; i++) {
+        int8_t bytes[8];
+        for (uint32_t k = 0; k < 8; k++) {
+            bytes[k] = SOME[k % 3 == 0   ? i % SOME_COUNT
+                            : k % 3 == 1 ? i / SOME_COUNT % SOME_COUNT
+                                         : i / SOME_COUNT / SOME_COUNT];
+        }
+        ByteSigns signs = signs_of(load_bytes8(bytes));
+        uint8_t positive[8];
+        uint8_t negative[8];
+        memcpy(positive, &signs.positive, sizeof(positive));
+        memcpy(negative, &signs.negative, sizeof(negative));
+        for (uint32_t k = 0; k < 8; k++) {
+            ck_assert_uint_eq(positive[k], bytes[k] > 0);
+            ck_assert_uint_eq(negative[k], bytes[k] < 0);
+        }
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("wide");
@@ -289,6 +313,7 @@ int main(void)
     tcase_add_test(lanes, masks_choose_bits_lane_by_lane);
     tcase_add_test(lanes, one_or_two_points_are_loaded_and_stored_and_nothing_beside_them);
     tcase_add_test(lanes, what_is_not_finite_is_seen_in_its_own_lane_alone);
+    tcase_add_test(lanes, of_eight_bytes_the_sign_of_each_is_seen_alone);
     suite_add_tcase(suite, lanes);
     return percale_test_run(suite);
 }

@@ -217,4 +217,19 @@ static inline uint64_t load_bytes8(const void *bytes)
     return eight;
 }
 
+/// Of eight signed bytes: a 1 in each that is above zero, and in each that is below.
+typedef struct ByteSigns {
+    uint64_t positive, negative;
+} ByteSigns;
+
+static const uint64_t EVERY_BYTE = 0x0101010101010101u; // a 1 in each
+
+static inline ByteSigns signs_of(uint64_t eight)
+{
+    const uint64_t BELOW_SIGN = 0x7f * EVERY_BYTE;
+    uint64_t negative = eight >> 7 & EVERY_BYTE;
+    uint64_t not_zero = (((eight & BELOW_SIGN) + BELOW_SIGN) | eight) >> 7 & EVERY_BYTE;
+    return (ByteSigns){not_zero & ~negative, negative};
+}
+
 #endif

@@ -10,6 +10,11 @@
 static const float LOOKAHEAD_REACH = 1.5f;
 static const float LOOKAHEAD_SUBSTEPS = 8.0f;
 
+// Between two collision passes a vertex that is outside is left alone as long as its clearance, after its
+// motion, is this many times that motion: as far again the solver may lead it astray, and the path test may
+// be wrong by twice the obstacle's motion.
+static const float PATH_ROOM = 2.0f;
+
 static const float FARTHEST = 1e8f; // m; more than any two points of a scene are apart
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
@@ -86,10 +91,11 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     }
     float motion = length3(model->predicted[slot] - model->position[slot]) + proximity->motion;
     float reach = pair_reach(pair, slot, motion);
-    if (proximity->clearance[slot] - motion > reach) {
+    float room = proximity->clearance[slot] - motion;
+    int8_t side = proximity->side[slot];
+    if (room > reach || (!pair->is_pass_due && side > 0 && room > PATH_ROOM * motion)) {
         return IDLE;
     }
-    int8_t side = proximity->side[slot];
     if (side != 0 && (side != OUTSIDE_BY_BOUND || !pair->is_pass_due)) {
         return ACTIVE_KNOWN;
     }
@@ -123,13 +129,16 @@ typedef struct Selection {
 /// Whether none of the eight slots can touch the obstacle, whatever its cloth: most of the time most can't.
 static bool are_idle(const Selection *selection, uint32_t slot)
 {
-    const uint64_t NEGATIVE = 0x8080808080808080u;
     const PercaleProximity *proximity = selection->proximity;
     const PercaleModel *model = selection->pair->model;
     f32x8 motion = distances8(model->predicted + slot, model->position + slot) + proximity->motion;
     f32x8 reach = motion * selection->pair->later_substeps + 2.0f * selection->thickest;
-    i32x8 far = greater8(load8(proximity->clearance + slot) - motion, reach);
-    return lane_bits(far) == 0xff && (load_bytes8(proximity->side + slot) & NEGATIVE) == 0;
+    f32x8 room = load8(proximity->clearance + slot) - motion;
+    ByteSigns signs = signs_of(load_bytes8(proximity->side + slot));
+    bool far = lane_bits(greater8(room, reach)) == 0xff;
+    bool on_their_way = !selection->pair->is_pass_due && signs.positive == EVERY_BYTE &&
+                        lane_bits(greater8(room, motion * PATH_ROOM)) == 0xff;
+    return signs.negative == 0 && (far || on_their_way);
 }
 
 static uint64_t examine_slots(const Selection *selection, uint32_t first, uint32_t end)
@@ -138,7 +147,11 @@ static uint64_t examine_slots(const Selection *selection, uint32_t first, uint32
     uint64_t searches = 0;
     for (uint32_t slot = first; slot < end; slot++) {
         Answer answer = examine(proximity, selection->pair, selection->surface, slot);
-        proximity->is_active[slot] = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
+        bool is_active = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
+        proximity->is_active[slot] = is_active;
+        if (!is_active && selection->pair->is_pass_due && proximity->side[slot] > 0) {
+            proximity->side[slot] = 0;
+        }
         searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
     }
     return searches;
@@ -152,6 +165,9 @@ static void examine_range(void *context, uint32_t first, uint32_t end)
     for (; slot + WIDE <= end; slot += WIDE) {
         if (are_idle(selection, slot)) {
             memset(selection->proximity->is_active + slot, 0, WIDE);
+            if (selection->pair->is_pass_due) {
+                memset(selection->proximity->side + slot, 0, WIDE);
+            }
         } else {
             searches += examine_slots(selection, slot, slot + WIDE);
         }

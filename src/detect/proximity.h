@@ -6,6 +6,9 @@
 // Every vertex has a clearance, a lower bound of its distance to the obstacle. It shrinks by what the vertex
 // and the obstacle move; only when it is spent is the distance computed anew. A vertex with enough clearance
 // costs one subtraction per substep.
+//
+// In a substep with a collision pass all vertices are active that can come within reach before the next one;
+// in the others those whose path may lead to the surface, and those whose side is not known.
 
 #ifndef PERCALE_PROXIMITY_H
 #define PERCALE_PROXIMITY_H
@@ -28,7 +31,7 @@ typedef struct PercaleProximity {
     float *clearance;  // [slot_count] m; distance or a lower bound of it
     uint32_t *nearest; // [slot_count] nearest triangle when last computed, NO_TRIANGLE
     int8_t *side; // [slot_count] at the start of this substep: +1, -1; 0: not known, clearance is a bound;
-                  // OUTSIDE_BY_BOUND
+                  // OUTSIDE_BY_BOUND. A vertex that is idle in a collision pass forgets it.
     uint8_t *is_active; // [slot_count] in this substep
     uint32_t *active;   // [active_count] the same as a list of slots, ascending
     uint32_t active_count;
@@ -43,7 +46,7 @@ typedef struct PercaleProximity {
 typedef struct PercalePair {
     const PercaleModel *model;
     const PercaleModelSurface *obstacle;
-    float later_substeps; // after this one, until contacts are found anew
+    float later_substeps; // after this one, until contacts are found anew; 0 when they are not in this one
     bool is_pass_due;     // in this substep
 } PercalePair;
 

@@ -165,7 +165,8 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
     return counts;
 }
 
-/// Vertices that were not active have used up some of their clearance; their distance is a bound again.
+/// Vertices that were not active have used up some of their clearance; their distance is a bound again, and
+/// what was outside still is.
 static void spend_clearance(const PercaleGuardStage *stage, uint32_t slot)
 {
     PercaleProximity *proximity = stage->proximity;
@@ -174,7 +175,8 @@ static void spend_clearance(const PercaleGuardStage *stage, uint32_t slot)
         // the last factor keeps a bound a bound: of a hundred metres float32 could not take small motions
         // away
         proximity->clearance[slot] = (proximity->clearance[slot] - motion) * (1.0f - 1e-6f);
-        proximity->side[slot] = 0;
+        bool outside = proximity->side[slot] > 0 && proximity->clearance[slot] > 0.0f;
+        proximity->side[slot] = outside ? OUTSIDE_BY_BOUND : 0;
     }
 }
 
@@ -239,7 +241,8 @@ static bool spend_clearances(const PercaleGuardStage *stage, uint32_t slot)
         return false;
     }
     store8(proximity->clearance + slot, (clearance - motion) * (1.0f - 1e-6f));
-    memset(proximity->side + slot, 0, WIDE);
+    uint64_t outside = signs_of(load_bytes8(proximity->side + slot)).positive * OUTSIDE_BY_BOUND;
+    memcpy(proximity->side + slot, &outside, sizeof(outside));
     return true;
 }
 
