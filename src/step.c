@@ -133,6 +133,7 @@ static void move_obstacle(Substep *substep, uint32_t o)
         object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction,
                                               (double)substep->dt * solver->def.substeps, substep->team)
                        : 0.0f;
+    solver->proximities[o].traveled += (double)solver->proximities[o].motion;
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         solver->proximities[o].doubt = INFINITY;
     } else { // next to a deforming surface the start of a path is moved along with the nearest triangle only

@@ -4,6 +4,9 @@
 // stands in.
 static const double NO_DIRECTION = 1e-3;
 
+// Thicknesses that vertex and obstacle may move before the triangles near it are listed anew.
+static const double NEARBY_ROOM = 4.0;
+
 Vec3 percale_contact_normal(const PercaleSurface *surface, Vec3 point, uint32_t triangle,
                             const PercaleClosest *closest, int side)
 {
@@ -139,6 +142,22 @@ static void remember(const PercaleContactStage *stage, uint32_t index, const Per
     }
 }
 
+/// All features within the visitor's reach. False without memory.
+static bool gather(const PercaleContactStage *stage, uint32_t index, const Visitor *visitor,
+                   PercaleCollector *collector)
+{
+    if (has_crossed(stage, index)) { // it is looked for where it isn't
+        return percale_surface_gather(stage->surface, visitor->point, (double)visitor->reach,
+                                      &collector->memory, &collector->features);
+    }
+    PercaleNearbyLists *nearby = &stage->proximity->nearby;
+    PercaleNearbyQuery query = {stage->surface, stage->proximity->traveled, visitor->point,
+                                (double)visitor->reach};
+    double room = NEARBY_ROOM * (double)pair_thickness(stage->pair, visitor->slot);
+    return percale_nearby_gather(&nearby->items[nearby->number[visitor->slot]], &query, room,
+                                 &collector->memory, &collector->features);
+}
+
 static void add_contacts(const PercaleContactStage *stage, uint32_t index, PercaleCollector *collector)
 {
     Visitor visitor = visit(stage, index);
@@ -147,8 +166,7 @@ static void add_contacts(const PercaleContactStage *stage, uint32_t index, Perca
         return;
     }
     PercaleFeatureList *features = &collector->features;
-    if (!percale_surface_gather(stage->surface, visitor.point, (double)visitor.reach, &collector->memory,
-                                features)) {
+    if (!gather(stage, index, &visitor, collector)) {
         collector->complete = false;
         return;
     }
@@ -191,8 +209,11 @@ static void find_range(const void *context, PercaleCollector *collector, uint64_
 bool percale_contacts_find(const PercaleContactStage *stage, PercaleCollectors *collectors,
                            PercaleMemory *memory, PercaleStencilList *list, uint64_t *candidate_count)
 {
-    bool complete = percale_collect(stage->team, stage->proximity->active_count, find_range, stage,
-                                    collectors, memory, &(PercaleCollected){.stencils = list});
+    PercaleProximity *proximity = stage->proximity;
+    bool complete = stage->crossings_only || percale_nearby_reserve(&proximity->nearby, proximity->active,
+                                                                    proximity->active_count, memory);
+    complete = complete && percale_collect(stage->team, proximity->active_count, find_range, stage,
+                                           collectors, memory, &(PercaleCollected){.stencils = list});
     *candidate_count += collectors->candidates;
     return complete;
 }

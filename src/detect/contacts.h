@@ -24,7 +24,7 @@ static const double GAP = 0.1;
 
 typedef struct PercaleContactStage {
     const PercalePair *pair;
-    const PercaleProximity *proximity;
+    PercaleProximity *proximity;
     const PercaleSurface *surface;    // end pose
     const PercaleCrossing *crossings; // [active_count]; NULL without CCD
     bool crossings_only;              // between two passes: only vertices that have crossed

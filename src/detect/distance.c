@@ -6,10 +6,6 @@
 // cross product of float32 data has no digits left
 static const double PARALLEL = 1e-14;
 
-// sin^2 of a triangle's angle below which the regions' determinants, whose rounding grows with 1 / sin^2,
-// give way to the normal, whose rounding grows with 1 / sin
-static const double THIN = 1e-4;
-
 // squared distances to the features of a triangle without area that differ by less than this share of its
 // squared size are the same
 static const double ALIKE = 1e-12;

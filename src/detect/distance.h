@@ -22,7 +22,30 @@ typedef struct PercaleClosest {
     PercaleRegion region;
 } PercaleClosest;
 
+// sin^2 of a triangle's angle below which the regions' determinants, whose rounding grows with 1 / sin^2,
+// give way to the normal, whose rounding grows with 1 / sin
+static const double THIN = 1e-4;
+
 PercaleClosest percale_closest_on_triangle(Vec3 point, Vec3 a, Vec3 b, Vec3 c);
+
+enum { FOUR = 4 };
+
+/// Of four triangles.
+typedef struct PercaleFourClosest {
+    double distance2[FOUR];
+    double weights[3][FOUR];
+    int64_t region[FOUR]; // a PercaleRegion
+} PercaleFourClosest;
+
+/// Four triangles at once, of which corner k of number i is corners[k][i]: the same bits as one by one.
+void percale_closest_on_four(Vec3 point, const f32x4 corners[3][FOUR], PercaleFourClosest *closest);
+
+static inline PercaleClosest one_of_four(const PercaleFourClosest *four, uint32_t k)
+{
+    return (PercaleClosest){four->distance2[k],
+                            {four->weights[0][k], four->weights[1][k], four->weights[2][k]},
+                            (PercaleRegion)four->region[k]};
+}
 
 /// A triangle without area may be nearest with several of its sides or corners at once: they lie on each
 /// other.

@@ -28,6 +28,7 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
     proximity->active = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
     if (proximity->clearance == NULL || proximity->nearest == NULL || proximity->side == NULL ||
         proximity->is_active == NULL || proximity->active == NULL ||
+        !percale_nearby_create(&proximity->nearby, model->slot_count, memory) ||
         !percale_tree_build(&proximity->tree, obstacle->triangles, 3, obstacle->triangle_count,
                             model->position, memory)) {
         percale_proximity_free(proximity, memory);
@@ -47,6 +48,7 @@ void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory)
     percale_memory_free(memory, proximity->side);
     percale_memory_free(memory, proximity->is_active);
     percale_memory_free(memory, proximity->active);
+    percale_nearby_free(&proximity->nearby, memory);
     *proximity = (PercaleProximity){0};
 }
 
@@ -105,8 +107,12 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
         is_in_bounds(&proximity->tree, model->position[slot])) {
         radius = FARTHEST; // it may be deep inside
     }
-    PercaleNearest nearest =
-        percale_surface_nearest(surface, point, (double)radius, proximity->nearest[slot]);
+    PercaleNearbyQuery query = {surface, proximity->traveled - (double)proximity->motion, point,
+                                (double)radius};
+    PercaleNearest nearest;
+    if (!percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest)) {
+        nearest = percale_surface_nearest(surface, point, query.radius, proximity->nearest[slot]);
+    }
     proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
     if (nearest.triangle == NO_TRIANGLE) {
         return IDLE_SEARCHED;

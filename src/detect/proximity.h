@@ -13,7 +13,7 @@
 #ifndef PERCALE_PROXIMITY_H
 #define PERCALE_PROXIMITY_H
 
-#include "detect/surface.h"
+#include "detect/nearby.h"
 
 /// A side: outside for certain, though clearance is only a bound. Enough where no contacts are made.
 enum { OUTSIDE_BY_BOUND = 2 };
@@ -35,8 +35,10 @@ typedef struct PercaleProximity {
     uint8_t *is_active; // [slot_count] in this substep
     uint32_t *active;   // [active_count] the same as a list of slots, ascending
     uint32_t active_count;
+    PercaleNearbyLists nearby;
     PercaleSighting *sightings; // [active_count] of this substep, in the step's arena
     float motion;               // m; the farthest that one of the obstacle's vertices moves in this substep
+    double traveled;            // m; sum of the motions, this substep's too
     float
         doubt; // m; what the path test may be wrong by: nothing seen on a path, a vertex that is this deep
                // behind an open surface has passed through it all the same, a deeper one went around the rim

@@ -22,22 +22,42 @@ Vec3 percale_surface_point(const PercaleSurface *surface, uint32_t triangle, con
 
 // ---- traversal ----
 
-static PercaleClosest closest_on(const PercaleSurface *surface, Vec3 point, uint32_t triangle)
+/// Up to four triangles that are asked at once.
+typedef struct Four {
+    uint32_t triangles[FOUR];
+    uint32_t count;
+    PercaleFourClosest closest;
+} Four;
+
+static void ask_four(const PercaleSurface *surface, Vec3 point, Four *four)
 {
-    Vec3 c[3];
-    corners_of(surface, triangle, c);
-    return percale_closest_on_triangle(point, c[0], c[1], c[2]);
+    f32x4 corners[3][FOUR];
+    for (uint32_t i = 0; i < FOUR; i++) {
+        uint32_t triangle = four->triangles[i < four->count ? i : 0];
+        const uint32_t *indices = surface->mesh->triangles + 3 * (size_t)triangle;
+        for (int k = 0; k < 3; k++) {
+            corners[k][i] = surface->points[indices[k]];
+        }
+    }
+    percale_closest_on_four(point, (const f32x4(*)[FOUR])corners, &four->closest);
 }
 
-/// Keeps the nearer of two; of what is not kept, how near it is.
-static void keep_nearer(PercaleNearest *best, PercaleClosest closest, uint32_t triangle, double *beyond2)
+/// Keeps the nearest; of what is not kept, how near it is.
+static void keep_nearest(const PercaleSurface *surface, Vec3 point, Four *four, PercaleNearest *best,
+                         double *beyond2)
 {
-    *beyond2 = closest.distance2 < *beyond2 ? closest.distance2 : *beyond2;
-    if (closest.distance2 < best->closest.distance2 ||
-        (closest.distance2 <= best->closest.distance2 && triangle < best->triangle)) {
-        best->closest = closest;
-        best->triangle = triangle;
+    ask_four(surface, point, four);
+    for (uint32_t i = 0; i < four->count; i++) {
+        double distance2 = four->closest.distance2[i];
+        uint32_t triangle = four->triangles[i];
+        *beyond2 = distance2 < *beyond2 ? distance2 : *beyond2;
+        if (distance2 < best->closest.distance2 ||
+            (distance2 <= best->closest.distance2 && triangle < best->triangle)) {
+            best->closest = one_of_four(&four->closest, i);
+            best->triangle = triangle;
+        }
     }
+    four->count = 0;
 }
 
 /// How far the point is from its place in float32, which the boxes are compared with, m.
@@ -91,18 +111,37 @@ static uint32_t push_near_children(PercaleTreeEntry *stack, uint32_t size, Perca
     return size;
 }
 
+/// Nothing yet, and nothing beyond the radius is wanted.
+static PercaleNearest none_within(double radius)
+{
+    return (PercaleNearest){NO_TRIANGLE, {radius * radius, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
+}
+
+/// With the foot; when nothing was found, with a bound of how far everything is.
+static PercaleNearest finished(const PercaleSurface *surface, PercaleNearest best, double beyond2)
+{
+    if (best.triangle != NO_TRIANGLE) {
+        best.foot = percale_surface_point(surface, best.triangle, best.closest.weights);
+    } else {
+        best.closest.distance2 = fmax(best.closest.distance2, beyond2);
+    }
+    return best;
+}
+
 PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point, double radius,
                                        uint32_t seed)
 {
     const PercaleTree *tree = surface->tree;
     f32x4 at = f32x4_of(point, 0.0f);
     double rounding = rounding_of(point, at);
-    PercaleNearest best = {NO_TRIANGLE, {radius * radius, {0.0, 0.0, 0.0}, REGION_FACE}, {0.0, 0.0, 0.0}};
+    PercaleNearest best = none_within(radius);
     f32x8 boxes_beyond2 = all8(INFINITY); // squared distances of boxes not looked into, and of triangles
     double beyond2 = HUGE_VAL;
+    Four four = {.triangles = {seed}, .count = 1};
     if (seed != NO_TRIANGLE) {
-        keep_nearer(&best, closest_on(surface, point, seed), seed, &beyond2);
+        keep_nearest(surface, point, &four, &best, &beyond2);
     }
+    four.count = 0;
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
     stack[size++] = tree_root(tree);
@@ -115,32 +154,51 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
                                       box_limit(best.closest.distance2, rounding));
             continue;
         }
-        for (uint32_t bits =
-                 lane_bits(at_most8(distance2, all8(box_limit(best.closest.distance2, rounding))));
-             bits != 0; bits &= bits - 1) {
+        float limit = box_limit(best.closest.distance2, rounding);
+        for (uint32_t bits = lane_bits(at_most8(distance2, all8(limit))); bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
-            if (distance2[k] <=
-                box_limit(best.closest.distance2, rounding)) { // the limit may have shrunk since
-                uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
-                keep_nearer(&best, closest_on(surface, point, triangle), triangle, &beyond2);
+            four.triangles[four.count++] = tree->order[TREE_WIDTH * entry.node + k];
+            if (four.count == FOUR || (bits & (bits - 1)) == 0) {
+                keep_nearest(surface, point, &four, &best, &beyond2);
             }
         }
     }
-    if (best.triangle != NO_TRIANGLE) {
-        best.foot = percale_surface_point(surface, best.triangle, best.closest.weights);
-    } else {
-        best.closest.distance2 = fmin(beyond2, box_bound(boxes_beyond2, rounding));
-        best.closest.distance2 = fmax(best.closest.distance2, radius * radius);
-    }
-    return best;
+    return finished(surface, best, fmin(beyond2, box_bound(boxes_beyond2, rounding)));
 }
 
-static bool append(PercaleFeatureList *list, PercaleMemory *memory, PercaleFeature feature)
+PercaleNearest percale_surface_nearest_of(const PercaleSurface *surface, Vec3 point, double radius,
+                                          const uint32_t *triangles, uint32_t count)
 {
-    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + 1, sizeof(feature))) {
+    PercaleNearest best = none_within(radius);
+    double beyond2 = HUGE_VAL;
+    Four four = {.count = 0};
+    for (uint32_t i = 0; i < count; i++) {
+        four.triangles[four.count++] = triangles[i];
+        if (four.count == FOUR || i + 1 == count) {
+            keep_nearest(surface, point, &four, &best, &beyond2);
+        }
+    }
+    return finished(surface, best, beyond2);
+}
+
+/// Appends those that are near enough.
+static bool append_near(const PercaleSurface *surface, Vec3 point, double radius2, Four *four,
+                        PercaleMemory *memory, PercaleFeatureList *list)
+{
+    if (four->count == 0) {
+        return true;
+    }
+    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + FOUR,
+                                sizeof(list->items[0]))) {
         return false;
     }
-    list->items[list->count++] = feature;
+    ask_four(surface, point, four);
+    for (uint32_t i = 0; i < four->count; i++) {
+        if (four->closest.distance2[i] <= radius2) {
+            list->items[list->count++] = (PercaleFeature){four->triangles[i], one_of_four(&four->closest, i)};
+        }
+    }
+    four->count = 0;
     return true;
 }
 
@@ -155,24 +213,38 @@ bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double ra
     uint32_t size = 0;
     stack[size++] = tree_root(tree);
     list->count = 0;
+    Four four = {.count = 0};
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
         f32x8 distance2 = tree_box_distance2(tree_node(tree, entry), at);
-        for (uint32_t bits = lane_bits(at_most8(distance2, all8((float)limit))); bits != 0;
-             bits &= bits - 1) {
+        for (uint32_t bits = lane_bits(at_most8(distance2, all8(limit))); bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             if (entry.level > 0) {
                 stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
                 continue;
             }
-            uint32_t triangle = tree->order[TREE_WIDTH * entry.node + k];
-            PercaleClosest closest = closest_on(surface, point, triangle);
-            if (closest.distance2 <= radius2 && !append(list, memory, (PercaleFeature){triangle, closest})) {
+            four.triangles[four.count++] = tree->order[TREE_WIDTH * entry.node + k];
+            if (four.count == FOUR && !append_near(surface, point, radius2, &four, memory, list)) {
                 return false;
             }
         }
     }
-    return true;
+    return append_near(surface, point, radius2, &four, memory, list);
+}
+
+bool percale_surface_gather_of(const PercaleSurface *surface, Vec3 point, double radius,
+                               const uint32_t *triangles, uint32_t count, PercaleMemory *memory,
+                               PercaleFeatureList *list)
+{
+    Four four = {.count = 0};
+    list->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        four.triangles[four.count++] = triangles[i];
+        if (four.count == FOUR && !append_near(surface, point, radius * radius, &four, memory, list)) {
+            return false;
+        }
+    }
+    return append_near(surface, point, radius * radius, &four, memory, list);
 }
 
 // ---- features ----

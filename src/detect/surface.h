@@ -52,6 +52,13 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
 bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double radius, PercaleMemory *memory,
                             PercaleFeatureList *list);
 
+/// The same among these triangles alone.
+PercaleNearest percale_surface_nearest_of(const PercaleSurface *surface, Vec3 point, double radius,
+                                          const uint32_t *triangles, uint32_t count);
+bool percale_surface_gather_of(const PercaleSurface *surface, Vec3 point, double radius,
+                               const uint32_t *triangles, uint32_t count, PercaleMemory *memory,
+                               PercaleFeatureList *list);
+
 /// Unit normal of a triangle; zero when it has no area.
 Vec3 percale_surface_face_normal(const PercaleSurface *surface, uint32_t triangle);
 
