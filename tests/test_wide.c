@@ -295,6 +295,7 @@ START_TEST(of_eight_bytes_the_sign_of_each_is_seen_alone)
         for (uint32_t k = 0; k < 8; k++) {
             ck_assert_uint_eq(positive[k], bytes[k] > 0);
             ck_assert_uint_eq(negative[k], bytes[k] < 0);
+            ck_assert_uint_eq(byte_bits(signs.positive) >> k & 1, bytes[k] > 0);
         }
     }
 }

@@ -232,4 +232,10 @@ static inline ByteSigns signs_of(uint64_t eight)
     return (ByteSigns){not_zero & ~negative, negative};
 }
 
+/// One bit for each of eight bytes that are 0 or 1, like lane_bits.
+static inline uint32_t byte_bits(uint64_t eight)
+{
+    return (uint32_t)(eight * 0x0102040810204080u >> 56); // byte i moves up by 56 - 7 i bits
+}
+
 #endif

@@ -141,10 +141,11 @@ static bool are_idle(const Selection *selection, uint32_t slot)
     f32x8 reach = motion * selection->pair->later_substeps + 2.0f * selection->thickest;
     f32x8 room = load8(proximity->clearance + slot) - motion;
     ByteSigns signs = signs_of(load_bytes8(proximity->side + slot));
-    bool far = lane_bits(greater8(room, reach)) == 0xff;
-    bool on_their_way = !selection->pair->is_pass_due && signs.positive == EVERY_BYTE &&
-                        lane_bits(greater8(room, motion * PATH_ROOM)) == 0xff;
-    return signs.negative == 0 && (far || on_their_way);
+    uint32_t idle = lane_bits(greater8(room, reach));
+    if (!selection->pair->is_pass_due) {
+        idle |= lane_bits(greater8(room, motion * PATH_ROOM)) & byte_bits(signs.positive);
+    }
+    return signs.negative == 0 && idle == 0xff;
 }
 
 static uint64_t examine_slots(const Selection *selection, uint32_t first, uint32_t end)
