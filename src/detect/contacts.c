@@ -100,7 +100,8 @@ static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor
     return best;
 }
 
-/// The point is in the region of an edge or a vertex when each triangle around it says so.
+/// The point is in the region of an edge or a vertex when each triangle around it says so. It is in front of
+/// the nearest.
 static void add_features_in_front(const PercaleContactStage *stage, const Visitor *visitor,
                                   const PercaleNearest *nearest, PercaleCollector *collector)
 {
@@ -122,7 +123,8 @@ static void add_features_in_front(const PercaleContactStage *stage, const Visito
         }
         PercaleNearest here = {feature->triangle, feature->closest,
                                percale_surface_point(surface, feature->triangle, feature->closest.weights)};
-        if (percale_surface_side(surface, visitor->point, &here) > 0) {
+        bool is_same = feature->triangle == nearest->triangle; // whose side is known
+        if (is_same || percale_surface_side(surface, visitor->point, &here) > 0) {
             PercaleStencil stencil = make_stencil(stage, visitor, feature, 1);
             percale_collect_stencil(collector, &stencil);
         }

@@ -7,7 +7,7 @@
 
 // How far beyond the reach a search looks, so that a vertex found far is not searched for again at once: a
 // share of the reach, and substeps of the present motion.
-static const float LOOKAHEAD_REACH = 1.5f;
+static const float LOOKAHEAD_REACH = 4.0f;
 static const float LOOKAHEAD_SUBSTEPS = 8.0f;
 
 // Between two collision passes a vertex that is outside is left alone as long as its clearance, after its
