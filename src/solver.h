@@ -49,7 +49,7 @@ struct PercaleSolver {
     f32x4 *hinge_multipliers;
     f32x4 *bend_weights;     // for bend_dt
     float *bend_relaxations; // too
-    f32x4 *bend_pushes;      // [slot_count], where there are hinges
+    f32x4 *bend_pushes;      // [slot_count] m/s, where there are hinges
     float bend_dt;           // s; 0: not computed yet
     uint32_t bend_interval;  // substeps
     float *seam_targets;

@@ -65,9 +65,21 @@ static PercaleResult name_bad_vertex(PercaleSolver *solver, uint32_t slot)
     return percale_fail(&solver->error, PERCALE_NOT_FINITE, "a vertex would become NaN or infinite");
 }
 
+/// Whether bending's force is found anew in this substep, where it acts less often than in each.
+static bool is_bending_due(const Substep *substep)
+{
+    return (uint32_t)substep->index % substep->solver->bend_interval == 0;
+}
+
+static bool is_bending_held(const PercaleSolver *solver)
+{
+    return solver->model.hinge_count > 0 && solver->bend_interval > 1;
+}
+
 static PercaleResult predict(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
+    bool pushed = is_bending_held(solver) && !is_bending_due(substep);
     PercalePredictStage stage = {
         .model = &solver->model,
         .gravity = vector_of(solver->def.gravity),
@@ -75,6 +87,7 @@ static PercaleResult predict(Substep *substep)
         .damping = (float)exp(-(double)solver->def.damping * (double)substep->dt),
         .speed_max = solver->def.speed_max,
         .dt = substep->dt,
+        .pushes = pushed ? solver->bend_pushes : NULL,
     };
     uint32_t bad = percale_predict_cloth(&stage, substep->team);
     percale_predict_pins(&solver->model, solver->pin_from, solver->pin_to, (float)substep->fraction);
@@ -493,20 +506,18 @@ static PercaleSolveArrays solve_arrays(const Substep *substep)
 static PercaleResult hold_bending(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
-    uint32_t interval = solver->bend_interval;
-    if (solver->model.hinge_count == 0 || interval == 1) {
+    if (!is_bending_held(solver) || !is_bending_due(substep)) {
         return PERCALE_OK;
     }
     PercaleHeldBending held = {.plan = {.arrays = solve_arrays(substep),
                                         .hinges = &solver->hinges,
                                         .sweep_count = (uint32_t)solver->def.iterations},
-                               .interval = interval,
-                               .due = (uint32_t)substep->index % interval == 0,
+                               .interval = solver->bend_interval,
                                .pushes = solver->bend_pushes};
     if (!percale_held_bending_run(&held, substep->team, &solver->arena)) {
         return percale_fail_memory(&solver->error);
     }
-    uint64_t bend = held.due ? (uint64_t)held.plan.sweep_count * solver->model.hinge_count : 0;
+    uint64_t bend = (uint64_t)held.plan.sweep_count * solver->model.hinge_count;
     solver->counters.projections_bend += bend;
     solver->counters.projections += bend;
     end_stage(substep, PERCALE_STAGE_SOLVE);

@@ -233,12 +233,12 @@ END_TEST
 START_TEST(pins_that_touch_are_one_island_and_many_islands_share_a_layer)
 {
     static const uint32_t ROW[4] = {0, 1, 2, 3};
-    static const uint32_t FOUR[4] = {0, SIDE - 1, SIDE * (SIDE - 1), SIDE * SIDE - 1};
+    static const uint32_t ALL_FOUR[4] = {0, SIDE - 1, SIDE * (SIDE - 1), SIDE * SIDE - 1};
     static const uint32_t FIVE[5] = {0, SIDE - 1, SIDE * (SIDE - 1), SIDE * SIDE - 1, SIDE * SIDE / 2};
     static const struct {
         const uint32_t *pinned;
         uint32_t count, layers;
-    } CASES[] = {{ROW, 4, 1}, {CORNERS, 2, 2}, {FOUR, 4, 4}, {FIVE, 5, 1}};
+    } CASES[] = {{ROW, 4, 1}, {CORNERS, 2, 2}, {ALL_FOUR, 4, 4}, {FIVE, 5, 1}};
     for (size_t i = 0; i < sizeof(CASES) / sizeof(CASES[0]); i++) {
         Hung hung = hang(percale_solver_def_default(), 0.0f, CASES[i].pinned, CASES[i].count);
         ck_assert_uint_eq(hung.solver->model.tether_layers, CASES[i].layers);

@@ -60,6 +60,9 @@ static inline i32x8 predict_vertices(const Predict *predict, uint32_t slot, uint
     f32x8 x = load_two(model->position + slot, count);
     f32x8 pull = pair_of_points(stage->gravity, stage->gravity) * stage->dt;
     f32x8 velocity = load_two(model->velocity + slot, count) + pull;
+    if (stage->pushes != NULL) {
+        velocity += load_two(stage->pushes + slot, count);
+    }
     if (predict->windy) {
         velocity += pair_of_points(wind_push(stage, slot), wind_push(stage, slot + count - 1));
     }

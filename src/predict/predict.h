@@ -3,7 +3,7 @@
 //   in   position, velocity; triangles for the wind
 //   out  next velocity, predicted
 //
-//     v = clamp((v + dt (g + wind)) * exp(-damping dt)),   x* = x + dt v          (symplectic Euler)
+//     v = clamp((v + dt (g + wind) + push) * exp(-damping dt)),   x* = x + dt v   (symplectic Euler)
 
 #ifndef PERCALE_PREDICT_H
 #define PERCALE_PREDICT_H
@@ -13,11 +13,12 @@
 
 typedef struct PercalePredictStage {
     PercaleModel *model;
-    f32x4 gravity;   // m/s^2
-    f32x4 wind;      // m/s, velocity of the air
-    float damping;   // share of the velocity that is left after a substep
-    float speed_max; // m/s
-    float dt;        // s
+    f32x4 gravity;       // m/s^2
+    f32x4 wind;          // m/s, velocity of the air
+    float damping;       // share of the velocity that is left after a substep
+    float speed_max;     // m/s
+    float dt;            // s
+    const f32x4 *pushes; // [slot_count] m/s, velocity that a force gives in the substep; NULL: none
 } PercalePredictStage;
 
 /// Returns the slot of the first vertex that would become NaN or infinite, UINT32_MAX for none.

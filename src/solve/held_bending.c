@@ -24,27 +24,20 @@ static void look_ahead_range(void *context, uint32_t first, uint32_t end)
 }
 
 /// The weights are those of an impulse of all the substeps: each has its share of it.
-static void share_range(void *context, uint32_t first, uint32_t end)
+static void push_range(void *context, uint32_t first, uint32_t end)
 {
     const Held *all = context;
     const PercaleHeldBending *held = all->held;
-    for (uint32_t slot = first; slot < end; slot++) {
-        f32x4 bent = all->ahead[slot] - look_ahead(held, slot);
-        held->pushes[slot] = with_w(bent / (float)held->interval, 0.0f);
-    }
-}
-
-static void push_range(void *context, uint32_t first, uint32_t end)
-{
-    const PercaleHeldBending *held = context;
     const PercaleSolveArrays *arrays = &held->plan.arrays;
     for (uint32_t slot = first; slot < end; slot++) {
-        arrays->x[slot] += held->pushes[slot];
-        arrays->velocity[slot] += held->pushes[slot] / arrays->dt;
+        f32x4 bent = with_w(all->ahead[slot] - look_ahead(held, slot), 0.0f) / (float)held->interval;
+        held->pushes[slot] = bent / arrays->dt;
+        arrays->x[slot] += bent;
+        arrays->velocity[slot] += held->pushes[slot];
     }
 }
 
-static bool find_pushes(const PercaleHeldBending *held, PercaleTeam *team, PercaleArena *arena)
+bool percale_held_bending_run(const PercaleHeldBending *held, PercaleTeam *team, PercaleArena *arena)
 {
     uint32_t count = held->plan.arrays.model->slot_count;
     Held all = {held, percale_arena_new(arena, count, sizeof(f32x4))};
@@ -57,16 +50,6 @@ static bool find_pushes(const PercaleHeldBending *held, PercaleTeam *team, Perca
     if (!percale_sweep_hinges(&plan, team, arena)) {
         return false;
     }
-    percale_team_for(team, count, GRAIN, share_range, &all);
-    return true;
-}
-
-bool percale_held_bending_run(const PercaleHeldBending *held, PercaleTeam *team, PercaleArena *arena)
-{
-    if (held->due && !find_pushes(held, team, arena)) {
-        return false;
-    }
-    PercaleHeldBending copy = *held;
-    percale_team_for(team, held->plan.arrays.model->slot_count, GRAIN, push_range, &copy);
+    percale_team_for(team, count, GRAIN, push_range, &all);
     return true;
 }

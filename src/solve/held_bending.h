@@ -3,9 +3,9 @@
 //   in   predicted points, where they were when the substep began, hinges in batches
 //   out  predicted points and velocities, pushed; the pushes, for the substeps until bending is due again
 //
-// Its force is found in every n-th substep, where the points will be n substeps after its start, and held in
-// between. As an impulse of n substeps at once it would hold up resting cloth only on the average, which
-// falls and is thrown up again n substeps later (MATH.md, section 5).
+// Its force is found in every n-th substep, where the points will be n substeps after its start. Between,
+// predict adds it like gravity. As an impulse of n substeps at once it would hold up resting cloth only on
+// the average, which falls and is thrown up again n substeps later (MATH.md, section 5).
 
 #ifndef PERCALE_HELD_BENDING_H
 #define PERCALE_HELD_BENDING_H
@@ -15,11 +15,10 @@
 typedef struct PercaleHeldBending {
     PercaleSweepPlan plan; // with the hinges; arrays.start, x and velocity of the substep
     uint32_t interval;     // n
-    bool due;
-    f32x4 *pushes; // [slot_count] m, of a substep
+    f32x4 *pushes;         // [slot_count] m/s, of a substep
 } PercaleHeldBending;
 
-/// False without memory (of n-th substeps only, in the arena).
+/// In the n-th substeps. False without memory (in the arena).
 bool percale_held_bending_run(const PercaleHeldBending *held, PercaleTeam *team, PercaleArena *arena);
 
 #endif
