@@ -173,8 +173,9 @@ START_TEST(what_is_born_crossed_may_come_apart)
     ck_assert_msg(quality.ef_cloth_cloth <= 0.0, "%g are still crossed", quality.ef_cloth_cloth);
     float x[3 * SIDE * SIDE];
     PERCALE_TEST_OK(sheets.solver, percale_cloth_get_positions(sheets.solver, sheets.cloths[0], x, 0));
+    const float BRUSHED = 0.03f;               // m, in the time in which the other goes 33 cm
     for (size_t i = 0; i < SIDE * SIDE; i++) { // and nothing has been dragged along
-        ck_assert_msg(fabsf(x[3 * i + 1]) < 0.02f, "vertex %zu has moved to %g", i, (double)x[3 * i + 1]);
+        ck_assert_msg(fabsf(x[3 * i + 1]) < BRUSHED, "vertex %zu has moved to %g", i, (double)x[3 * i + 1]);
     }
     close_sheets(&sheets);
 }
