@@ -172,8 +172,8 @@ START_TEST(four_closest_points_are_those_of_one_each)
     for (int round = 0; round < ROUNDS; round++) {
         bool coarse = round % 2 == 0;
         Vec3 point = vec3_of(any_point(&seed, coarse));
-        f32x4 corners[3][FOUR];
-        for (uint32_t i = 0; i < FOUR; i++) {
+        f32x4 corners[3][CLOSEST_FOUR];
+        for (uint32_t i = 0; i < CLOSEST_FOUR; i++) {
             for (int k = 0; k < 3; k++) {
                 corners[k][i] = any_point(&seed, coarse);
             }
@@ -183,8 +183,8 @@ START_TEST(four_closest_points_are_those_of_one_each)
             }
         }
         PercaleFourClosest four;
-        percale_closest_on_four(point, (const f32x4(*)[FOUR])corners, &four);
-        for (uint32_t i = 0; i < FOUR; i++) {
+        percale_closest_on_four(point, (const f32x4(*)[CLOSEST_FOUR])corners, &four);
+        for (uint32_t i = 0; i < CLOSEST_FOUR; i++) {
             PercaleClosest here = one_of_four(&four, i);
             PercaleClosest expected = percale_closest_on_triangle(
                 point, vec3_of(corners[0][i]), vec3_of(corners[1][i]), vec3_of(corners[2][i]));

@@ -55,7 +55,7 @@ static inline FourPoints cross(FourPoints a, FourPoints b)
     return (FourPoints){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-static inline FourPoints transpose(const f32x4 points[FOUR])
+static inline FourPoints transpose(const f32x4 points[CLOSEST_FOUR])
 {
     f32x4 xy_low = __builtin_shufflevector(points[0], points[1], 0, 4, 1, 5);
     f32x4 xy_high = __builtin_shufflevector(points[2], points[3], 0, 4, 1, 5);
@@ -157,9 +157,10 @@ static inline f64x4 distances2(FourPoints p, FourPoints a, FourPoints b, FourPoi
 }
 
 /// The thin ones are not decided by regions.
-static void correct_thin(Vec3 point, const f32x4 corners[3][FOUR], i64x4 thin, PercaleFourClosest *closest)
+static void correct_thin(Vec3 point, const f32x4 corners[3][CLOSEST_FOUR], i64x4 thin,
+                         PercaleFourClosest *closest)
 {
-    for (uint32_t i = 0; i < FOUR; i++) {
+    for (uint32_t i = 0; i < CLOSEST_FOUR; i++) {
         if (thin[i] != 0) {
             PercaleClosest one = percale_closest_on_triangle(point, vec3_of(corners[0][i]),
                                                              vec3_of(corners[1][i]), vec3_of(corners[2][i]));
@@ -172,7 +173,7 @@ static void correct_thin(Vec3 point, const f32x4 corners[3][FOUR], i64x4 thin, P
     }
 }
 
-void percale_closest_on_four(Vec3 point, const f32x4 corners[3][FOUR], PercaleFourClosest *closest)
+void percale_closest_on_four(Vec3 point, const f32x4 corners[3][CLOSEST_FOUR], PercaleFourClosest *closest)
 {
     FourPoints p = {all4(point.x), all4(point.y), all4(point.z)};
     FourPoints a = transpose(corners[0]);

@@ -28,17 +28,17 @@ static const double THIN = 1e-4;
 
 PercaleClosest percale_closest_on_triangle(Vec3 point, Vec3 a, Vec3 b, Vec3 c);
 
-enum { FOUR = 4 };
+enum { CLOSEST_FOUR = 4 };
 
 /// Of four triangles.
 typedef struct PercaleFourClosest {
-    double distance2[FOUR];
-    double weights[3][FOUR];
-    int64_t region[FOUR]; // a PercaleRegion
+    double distance2[CLOSEST_FOUR];
+    double weights[3][CLOSEST_FOUR];
+    int64_t region[CLOSEST_FOUR]; // a PercaleRegion
 } PercaleFourClosest;
 
 /// Four triangles at once, of which corner k of number i is corners[k][i]: the same bits as one by one.
-void percale_closest_on_four(Vec3 point, const f32x4 corners[3][FOUR], PercaleFourClosest *closest);
+void percale_closest_on_four(Vec3 point, const f32x4 corners[3][CLOSEST_FOUR], PercaleFourClosest *closest);
 
 static inline PercaleClosest one_of_four(const PercaleFourClosest *four, uint32_t k)
 {

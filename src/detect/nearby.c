@@ -68,7 +68,8 @@ bool percale_nearby_nearest(const PercaleNearbyLists *lists, uint32_t slot, cons
         return false;
     }
     double radius = fmin(query->radius, reach);
-    uint32_t few = nearby->count < FOUR ? nearby->count : FOUR; // usually the nearest is one of the first
+    uint32_t few = nearby->count < CLOSEST_FOUR ? nearby->count
+                                                : CLOSEST_FOUR; // usually the nearest is one of the first
     *nearest = percale_surface_nearest_of(query->surface, query->point, radius, nearby->triangles, few);
     double farthest = nearest->triangle == NO_TRIANGLE ? radius : sqrt(nearest->closest.distance2);
     uint32_t count = count_within(nearby, farthest, moved);

@@ -24,22 +24,22 @@ Vec3 percale_surface_point(const PercaleSurface *surface, uint32_t triangle, con
 
 /// Up to four triangles that are asked at once.
 typedef struct Four {
-    uint32_t triangles[FOUR];
+    uint32_t triangles[CLOSEST_FOUR];
     uint32_t count;
     PercaleFourClosest closest;
 } Four;
 
 static void ask_four(const PercaleSurface *surface, Vec3 point, Four *four)
 {
-    f32x4 corners[3][FOUR];
-    for (uint32_t i = 0; i < FOUR; i++) {
+    f32x4 corners[3][CLOSEST_FOUR];
+    for (uint32_t i = 0; i < CLOSEST_FOUR; i++) {
         uint32_t triangle = four->triangles[i < four->count ? i : 0];
         const uint32_t *indices = surface->mesh->triangles + 3 * (size_t)triangle;
         for (int k = 0; k < 3; k++) {
             corners[k][i] = surface->points[indices[k]];
         }
     }
-    percale_closest_on_four(point, (const f32x4(*)[FOUR])corners, &four->closest);
+    percale_closest_on_four(point, (const f32x4(*)[CLOSEST_FOUR])corners, &four->closest);
 }
 
 /// Keeps the nearest; of what is not kept, how near it is.
@@ -158,7 +158,7 @@ PercaleNearest percale_surface_nearest(const PercaleSurface *surface, Vec3 point
         for (uint32_t bits = lane_bits(at_most8(distance2, all8(limit))); bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
             four.triangles[four.count++] = tree->order[TREE_WIDTH * entry.node + k];
-            if (four.count == FOUR || (bits & (bits - 1)) == 0) {
+            if (four.count == CLOSEST_FOUR || (bits & (bits - 1)) == 0) {
                 keep_nearest(surface, point, &four, &best, &beyond2);
             }
         }
@@ -174,7 +174,7 @@ PercaleNearest percale_surface_nearest_of(const PercaleSurface *surface, Vec3 po
     Four four = {.count = 0};
     for (uint32_t i = 0; i < count; i++) {
         four.triangles[four.count++] = triangles[i];
-        if (four.count == FOUR || i + 1 == count) {
+        if (four.count == CLOSEST_FOUR || i + 1 == count) {
             keep_nearest(surface, point, &four, &best, &beyond2);
         }
     }
@@ -188,7 +188,7 @@ static bool append_near(const PercaleSurface *surface, Vec3 point, double radius
     if (four->count == 0) {
         return true;
     }
-    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + FOUR,
+    if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + CLOSEST_FOUR,
                                 sizeof(list->items[0]))) {
         return false;
     }
@@ -224,7 +224,7 @@ bool percale_surface_gather(const PercaleSurface *surface, Vec3 point, double ra
                 continue;
             }
             four.triangles[four.count++] = tree->order[TREE_WIDTH * entry.node + k];
-            if (four.count == FOUR && !append_near(surface, point, radius2, &four, memory, list)) {
+            if (four.count == CLOSEST_FOUR && !append_near(surface, point, radius2, &four, memory, list)) {
                 return false;
             }
         }
@@ -240,7 +240,8 @@ bool percale_surface_gather_of(const PercaleSurface *surface, Vec3 point, double
     list->count = 0;
     for (uint32_t i = 0; i < count; i++) {
         four.triangles[four.count++] = triangles[i];
-        if (four.count == FOUR && !append_near(surface, point, radius * radius, &four, memory, list)) {
+        if (four.count == CLOSEST_FOUR &&
+            !append_near(surface, point, radius * radius, &four, memory, list)) {
             return false;
         }
     }
