@@ -5,7 +5,7 @@
 #include "mesh_topology.h"
 #include "percale/geometry.h"
 #include "percale/scene.h"
-#include "scene/dress.h"
+#include "scene/garment.h"
 #include "scene/mannequin.h"
 #include "testing.h"
 
@@ -31,12 +31,18 @@ static bool small_mode(void)
     return getenv("PERCALE_TEST_SMALL") != NULL; // NOLINT(concurrency-mt-unsafe): one thread
 }
 
+static bool make_dress(uint64_t size, float thickness, PercaleMesh *mesh, uint32_t (**pairs)[2],
+                       uint32_t *pair_count, PercaleSceneError *error)
+{
+    return percale_garment_make(&percale_dress_cut, size, thickness, 0.0, mesh, pairs, pair_count, error);
+}
+
 static void make_both(void)
 {
     PercaleSceneError error = {""};
-    mannequin = percale_mannequin_make(0.0, &body, &error);
+    mannequin = percale_mannequin_make(0.0, 1.0, &body, &error);
     ck_assert_msg(mannequin != NULL, "%s", error.text);
-    ck_assert_msg(percale_dress_make(DRESS_SIZE, THICKNESS, &dress, &seams, &seam_count, &error), "%s",
+    ck_assert_msg(make_dress(DRESS_SIZE, THICKNESS, &dress, &seams, &seam_count, &error), "%s",
                   error.text);
 }
 
@@ -291,7 +297,7 @@ START_TEST(jump_moves_everything_sideways_within_one_frame)
 {
     PercaleMesh mesh;
     PercaleSceneError error;
-    PercaleMannequin *leaping = percale_mannequin_make(0.25, &mesh, &error);
+    PercaleMannequin *leaping = percale_mannequin_make(0.25, 1.0, &mesh, &error);
     ck_assert_ptr_nonnull(leaping);
     float *jumped = malloc(3 * sizeof *jumped * mesh.vertex_count);
     ck_assert_ptr_nonnull(jumped);
@@ -362,7 +368,7 @@ START_TEST(dress_has_the_asked_number_of_vertices)
         PercaleSceneError error;
         uint32_t(*pairs)[2];
         uint32_t pair_count;
-        ck_assert(percale_dress_make(SIZES[i], THICKNESS, &mesh, &pairs, &pair_count, &error));
+        ck_assert(make_dress(SIZES[i], THICKNESS, &mesh, &pairs, &pair_count, &error));
         ck_assert_double_lt(fabs((double)mesh.vertex_count / (double)SIZES[i] - 1.0), 0.05);
         percale_mesh_free(&mesh);
         free(pairs);
@@ -424,7 +430,7 @@ START_TEST(dress_has_the_same_shape_at_every_size)
     PercaleSceneError error;
     uint32_t(*pairs)[2];
     uint32_t pair_count;
-    ck_assert(percale_dress_make(40000, THICKNESS, &fine, &pairs, &pair_count, &error));
+    ck_assert(make_dress(40000, THICKNESS, &fine, &pairs, &pair_count, &error));
     const PercaleMesh *meshes[2] = {&dress, &fine};
     double area[2] = {0, 0};
     double box[2][6];
@@ -500,7 +506,7 @@ START_TEST(dress_starts_clear_of_the_body_and_close_to_it)
     PercaleSceneError error;
     uint32_t(*pairs)[2];
     uint32_t pair_count;
-    ck_assert(percale_dress_make(20000, THICKNESS, &fine, &pairs, &pair_count, &error));
+    ck_assert(make_dress(20000, THICKNESS, &fine, &pairs, &pair_count, &error));
     check_clearance(&fine, small_mode() ? 29 : 11);
     percale_mesh_free(&fine);
     free(pairs);
@@ -522,7 +528,7 @@ START_TEST(dress_starts_without_a_crossing_at_any_size)
         PercaleQuality quality;
         uint32_t(*pairs)[2];
         uint32_t pair_count;
-        ck_assert(percale_dress_make(SIZES[i], THICKNESS, &mesh, &pairs, &pair_count, &error));
+        ck_assert(make_dress(SIZES[i], THICKNESS, &mesh, &pairs, &pair_count, &error));
         uint32_t *points = weld(mesh.vertex_count, pairs, pair_count);
         const PercaleAuditMesh cloth = {.positions = mesh.positions,
                                         .vertex_count = mesh.vertex_count,
@@ -551,15 +557,15 @@ START_TEST(bad_wishes_are_refused_by_name)
     PercaleSceneError error;
     uint32_t(*pairs)[2];
     uint32_t pair_count;
-    ck_assert(!percale_dress_make(10, THICKNESS, &mesh, &pairs, &pair_count, &error));
+    ck_assert(!make_dress(10, THICKNESS, &mesh, &pairs, &pair_count, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "size 10 "));
-    ck_assert(!percale_dress_make(UINT64_MAX, THICKNESS, &mesh, &pairs, &pair_count, &error));
+    ck_assert(!make_dress(UINT64_MAX, THICKNESS, &mesh, &pairs, &pair_count, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "size"));
-    ck_assert(!percale_dress_make(5000, NAN, &mesh, &pairs, &pair_count, &error));
+    ck_assert(!make_dress(5000, NAN, &mesh, &pairs, &pair_count, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "thickness"));
     ck_assert_ptr_null(mesh.positions);
     ck_assert_ptr_null(pairs);
-    ck_assert_ptr_null(percale_mannequin_make(HUGE_VAL, &mesh, &error));
+    ck_assert_ptr_null(percale_mannequin_make(HUGE_VAL, 1.0, &mesh, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "jump"));
 }
 END_TEST

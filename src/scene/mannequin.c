@@ -48,6 +48,7 @@ static const double FLOOR_SOFTNESS = 0.006; // m; how gently the weight goes fro
 
 struct PercaleMannequin {
     double jump;
+    double speed;
     uint32_t vertex_count;
     float *rest;    ///< [3 * vertex_count] m
     float *weights; ///< [vertex_count][PERCALE_BONE_COUNT], each row sums to 1
@@ -213,13 +214,13 @@ static double standing_height(void)
     return floor_height(motions);
 }
 
-static void pose_bones(double seconds, double jump, Motion motions[PERCALE_BONE_COUNT])
+// walked: s of the walk; the jump has its own clock.
+static void pose_bones(double walked, double leap, Motion motions[PERCALE_BONE_COUNT])
 {
-    const double amount = ease_in(seconds / BLEND_SECONDS);
-    const double phase = TURN * (seconds / STRIDE_SECONDS);
+    const double amount = ease_in(walked / BLEND_SECONDS);
+    const double phase = TURN * (walked / STRIDE_SECONDS);
     const double forward = amount * sin(phase); // of the left leg
     const double aside = amount * cos(phase);
-    const double leap = jump * fmin(fmax((seconds - JUMP_TIME) * JUMP_RATE, 0.0), 1.0);
 
     const Turn pelvis =
         product(rotation(Y_AXIS, -PELVIS_TURN * forward), rotation(Z_AXIS, -PELVIS_LIST * aside));
@@ -321,7 +322,9 @@ static void skin_point(const Motion motions[PERCALE_BONE_COUNT], const float *we
 void percale_mannequin_pose(const PercaleMannequin *mannequin, double seconds, float *positions)
 {
     Motion motions[PERCALE_BONE_COUNT];
-    pose_bones(fmax(seconds, 0.0), mannequin->jump, motions);
+    const double since_start = fmax(seconds, 0.0);
+    const double leap = mannequin->jump * fmin(fmax((since_start - JUMP_TIME) * JUMP_RATE, 0.0), 1.0);
+    pose_bones(mannequin->speed * since_start, leap, motions);
     for (size_t i = 0; i < mannequin->vertex_count; i++) {
         const float *rest = mannequin->rest + 3 * i;
         double point[3] = {(double)rest[0], (double)rest[1], (double)rest[2]};
@@ -332,11 +335,16 @@ void percale_mannequin_pose(const PercaleMannequin *mannequin, double seconds, f
     }
 }
 
-PercaleMannequin *percale_mannequin_make(double jump, PercaleMesh *mesh, PercaleSceneError *error)
+PercaleMannequin *percale_mannequin_make(double jump, double speed, PercaleMesh *mesh,
+                                         PercaleSceneError *error)
 {
     memset(mesh, 0, sizeof *mesh);
     if (!isfinite(jump)) {
         (void)snprintf(error->text, sizeof error->text, "mannequin: jump is not a finite number of metres");
+        return NULL;
+    }
+    if (!isfinite(speed)) {
+        (void)snprintf(error->text, sizeof error->text, "mannequin: speed is not a finite number");
         return NULL;
     }
     PercaleMannequin *mannequin = calloc(1, sizeof *mannequin);
@@ -344,6 +352,7 @@ PercaleMannequin *percale_mannequin_make(double jump, PercaleMesh *mesh, Percale
     if (good) {
         const size_t n = mesh->vertex_count;
         mannequin->jump = jump;
+        mannequin->speed = speed;
         mannequin->vertex_count = mesh->vertex_count;
         mannequin->rest = malloc(3 * n * sizeof *mannequin->rest);
         mannequin->weights = malloc(n * PERCALE_BONE_COUNT * sizeof *mannequin->weights);

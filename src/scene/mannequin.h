@@ -14,8 +14,10 @@
 typedef struct PercaleMannequin PercaleMannequin;
 
 /// Makes the body; `mesh` is its pose at time 0 and the caller's to free. `jump`: she leaps sideways (+x) by
-/// so many metres between the times 1 s and 1 s + 1/60 s; 0: never. NULL on failure.
-PercaleMannequin *percale_mannequin_make(double jump, PercaleMesh *mesh, PercaleSceneError *error);
+/// so many metres between the times 1 s and 1 s + 1/60 s; 0: never. `speed`: of the walk, 1: a stroll, 2: in
+/// half the time, 0: she stands. NULL on failure.
+PercaleMannequin *percale_mannequin_make(double jump, double speed, PercaleMesh *mesh,
+                                         PercaleSceneError *error);
 
 /// Where the vertices are at a time, s (before 0: as at 0). positions: [3 * vertex_count] m.
 void percale_mannequin_pose(const PercaleMannequin *mannequin, double seconds, float *positions);

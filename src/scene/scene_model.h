@@ -91,6 +91,7 @@ struct PercaleScene {
 extern const PercaleSceneKind percale_scene_drape;
 extern const PercaleSceneKind percale_scene_flag;
 extern const PercaleSceneKind percale_scene_dress;
+extern const PercaleSceneKind percale_scene_layers;
 extern const PercaleSceneKind percale_scene_funnel;
 extern const PercaleSceneKind percale_scene_twist;
 extern const PercaleSceneKind percale_scene_cards;

@@ -1,29 +1,29 @@
-// dress.c: cuts the panels out of the dress's shape and notes where they are sewn.
+// garment.c: cuts the panels out of the garment's shape and notes where they are sewn.
 
-#include "dress.h"
+#include "garment.h"
 
-#include "dress_shape.h"
+#include "garment_shape.h"
+#include "scene_error.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const uint64_t SMALLEST = 1000; // fewer cannot follow the armholes
-static const uint64_t LARGEST = 4000000;
-static const double THINNEST = 0.0005; // m
-static const double THICKEST = 0.01;   // m; the sleeves are not wider
-static const double TIGHT = 1.10;      // thicknesses to the skin where it fits tightly
-static const double FACETS = 0.00045;  // m by which the body's triangles may stand out of its hollows
+static const uint64_t LARGEST = 4000000; // vertices
+static const double THINNEST = 0.0005;   // m
+static const double THICKEST = 0.01;     // m; the sleeves are not wider
+static const double TIGHT = 1.10;        // thicknesses to the skin where it fits tightly
+static const double FACETS = 0.00045;    // m by which the body's triangles may stand out of its hollows
 
-static const double SAG = 0.0012;   // m by which a dress of SAGGING vertices cuts the corners of the body
-static const double SAGGING = 5000; // vertices; with fewer it cuts deeper, with more it does not matter
+static const double SAG =
+    0.0012; // m by which a garment of half the vertices of a smooth one cuts the corners
 
 static const uint32_t NO_VERTEX = UINT32_MAX;
 
-/// The dress while it is cut. Front and back are the halves of the trunk's grid.
+/// The garment while it is cut. Front and back are the halves of the trunk's grid.
 typedef struct Cutting {
-    PercaleDressGrid grid;
-    const PercaleDressShape *shape;
+    PercaleGarmentGrid grid;
+    const PercaleGarmentShape *shape;
     PercaleMesh *mesh;
     uint32_t *halves[2]; ///< [rows + 1][columns / 2 + 1]: vertex of the front or the back, or NO_VERTEX
     uint32_t
@@ -34,18 +34,18 @@ typedef struct Cutting {
 
 // ---- how fine ----
 
-static uint64_t half_count(PercaleDressGrid grid)
+static uint64_t half_count(PercaleGarmentGrid grid)
 {
-    const uint64_t all = (uint64_t)(percale_dress_columns(grid) / 2 + 1) * (percale_dress_rows(grid) + 1);
+    const uint64_t all = (uint64_t)(percale_garment_columns(grid) / 2 + 1) * (percale_garment_rows(grid) + 1);
     return all - 2ULL * grid.side * (grid.hole - 1);
 }
 
-static uint64_t sleeve_count(PercaleDressGrid grid)
+static uint64_t sleeve_count(PercaleGarmentGrid grid)
 {
-    return (uint64_t)(percale_dress_rim(grid) + 1) * (grid.sleeve + 1);
+    return (uint64_t)(percale_garment_rim(grid) + 1) * (grid.sleeve + 1);
 }
 
-static uint64_t vertex_count(PercaleDressGrid grid)
+static uint64_t vertex_count(PercaleGarmentGrid grid)
 {
     return 2 * half_count(grid) + 2 * sleeve_count(grid);
 }
@@ -55,26 +55,25 @@ static uint32_t scaled(uint32_t cells, double scale)
     return (uint32_t)fmax(floor(cells * scale + 0.5), 1.0);
 }
 
-static PercaleDressGrid scaled_grid(double scale)
+static PercaleGarmentGrid scaled_grid(PercaleGarmentGrid grid, double scale)
 {
-    const PercaleDressGrid grid = percale_dress_shape_grid();
-    return (PercaleDressGrid){.side = scaled(grid.side, scale),
-                              .face = scaled(grid.face, scale),
-                              .below = scaled(grid.below, scale),
-                              .hole = scaled(grid.hole, scale),
-                              .yoke = scaled(grid.yoke, scale),
-                              .sleeve = scaled(grid.sleeve, scale)};
+    return (PercaleGarmentGrid){.side = scaled(grid.side, scale),
+                                .face = scaled(grid.face, scale),
+                                .below = scaled(grid.below, scale),
+                                .hole = scaled(grid.hole, scale),
+                                .yoke = scaled(grid.yoke, scale),
+                                .sleeve = scaled(grid.sleeve, scale)};
 }
 
 // The scale whose whole numbers of cells come closest.
-static PercaleDressGrid grid_for(uint64_t size)
+static PercaleGarmentGrid grid_for(const PercaleGarmentCut *cut, uint64_t size)
 {
     enum { STEPS = 400 };
-    const double rough = sqrt((double)size / (double)vertex_count(percale_dress_shape_grid()));
-    PercaleDressGrid best = scaled_grid(rough);
+    const double rough = sqrt((double)size / (double)vertex_count(cut->grid));
+    PercaleGarmentGrid best = scaled_grid(cut->grid, rough);
     double best_error = HUGE_VAL;
     for (int step = 0; step <= STEPS; step++) {
-        const PercaleDressGrid grid = scaled_grid(rough * (0.9 + 0.2 * step / STEPS));
+        const PercaleGarmentGrid grid = scaled_grid(cut->grid, rough * (0.9 + 0.2 * step / STEPS));
         const double error = fabs((double)vertex_count(grid) - (double)size);
         if (error < best_error) {
             best_error = error;
@@ -104,22 +103,22 @@ static uint32_t copy_vertex(PercaleMesh *mesh, uint32_t vertex)
 
 static uint32_t *half_vertex(const Cutting *cutting, int half, uint32_t row, uint32_t column)
 {
-    const size_t width = percale_dress_columns(cutting->grid) / 2 + 1;
+    const size_t width = percale_garment_columns(cutting->grid) / 2 + 1;
     return cutting->halves[half] + width * row + column;
 }
 
 // Inside an armhole, not on its rim.
-static bool is_cut_out(PercaleDressGrid grid, uint32_t row, uint32_t column)
+static bool is_cut_out(PercaleGarmentGrid grid, uint32_t row, uint32_t column)
 {
-    const uint32_t last = percale_dress_columns(grid) / 2;
+    const uint32_t last = percale_garment_columns(grid) / 2;
     return row > grid.below && row < grid.below + grid.hole &&
            (column < grid.side || column > last - grid.side);
 }
 
 static void cut_half(Cutting *cutting, int half)
 {
-    const uint32_t last = percale_dress_columns(cutting->grid) / 2;
-    for (uint32_t row = 0; row <= percale_dress_rows(cutting->grid); row++) {
+    const uint32_t last = percale_garment_columns(cutting->grid) / 2;
+    for (uint32_t row = 0; row <= percale_garment_rows(cutting->grid); row++) {
         for (uint32_t column = 0; column <= last; column++) {
             uint32_t *vertex = half_vertex(cutting, half, row, column);
             if (is_cut_out(cutting->grid, row, column)) {
@@ -128,8 +127,8 @@ static void cut_half(Cutting *cutting, int half)
                 *vertex = copy_vertex(cutting->mesh, *half_vertex(cutting, 0, row, last - column));
             } else {
                 double point[3];
-                percale_dress_trunk_point(cutting->shape, cutting->grid, row, column + (half ? last : 0),
-                                          point);
+                percale_garment_trunk_point(cutting->shape, cutting->grid, row, column + (half ? last : 0),
+                                            point);
                 *vertex = add_vertex(cutting->mesh, point);
             }
         }
@@ -139,11 +138,11 @@ static void cut_half(Cutting *cutting, int half)
 // The vertex of the front or the back on an armhole's rim.
 static uint32_t rim_vertex(const Cutting *cutting, int side, uint32_t step)
 {
-    const uint32_t half_columns = percale_dress_columns(cutting->grid) / 2;
-    const uint32_t rim = percale_dress_rim(cutting->grid);
+    const uint32_t half_columns = percale_garment_columns(cutting->grid) / 2;
+    const uint32_t rim = percale_garment_rim(cutting->grid);
     uint32_t row;
     uint32_t column;
-    percale_dress_rim_point(cutting->grid, side, step, &row, &column);
+    percale_garment_rim_point(cutting->grid, side, step, &row, &column);
     const bool behind = 2 * step > rim;
     if (behind) {
         column =
@@ -154,7 +153,7 @@ static uint32_t rim_vertex(const Cutting *cutting, int side, uint32_t step)
 
 static void cut_sleeve(Cutting *cutting, int side)
 {
-    const uint32_t rim = percale_dress_rim(cutting->grid);
+    const uint32_t rim = percale_garment_rim(cutting->grid);
     cutting->sleeves[side] = cutting->mesh->vertex_count;
     for (uint32_t row = 0; row <= cutting->grid.sleeve; row++) {
         for (uint32_t step = 0; step <= rim; step++) {
@@ -164,7 +163,7 @@ static void cut_sleeve(Cutting *cutting, int side)
                 (void)copy_vertex(cutting->mesh, cutting->mesh->vertex_count - rim);
             } else {
                 double point[3];
-                percale_dress_sleeve_point(cutting->shape, cutting->grid, side, row, step, point);
+                percale_garment_sleeve_point(cutting->shape, cutting->grid, side, row, step, point);
                 (void)add_vertex(cutting->mesh, point);
             }
         }
@@ -187,10 +186,10 @@ static void add_cell(PercaleMesh *mesh, const uint32_t corners[4], bool turned)
 
 static void fill_half(Cutting *cutting, int half)
 {
-    const uint32_t width = percale_dress_columns(cutting->grid) / 2;
-    for (uint32_t row = 0; row < percale_dress_rows(cutting->grid); row++) {
+    const uint32_t width = percale_garment_columns(cutting->grid) / 2;
+    for (uint32_t row = 0; row < percale_garment_rows(cutting->grid); row++) {
         for (uint32_t column = 0; column < width; column++) {
-            if (percale_dress_in_armhole(cutting->grid, row, column)) {
+            if (percale_garment_in_armhole(cutting->grid, row, column)) {
                 continue;
             }
             const uint32_t corners[4] = {*half_vertex(cutting, half, row, column),
@@ -204,7 +203,7 @@ static void fill_half(Cutting *cutting, int half)
 
 static void fill_sleeve(Cutting *cutting, int side)
 {
-    const uint32_t rim = percale_dress_rim(cutting->grid);
+    const uint32_t rim = percale_garment_rim(cutting->grid);
     for (uint32_t row = 0; row < cutting->grid.sleeve; row++) {
         for (uint32_t step = 0; step < rim; step++) {
             const uint32_t low = cutting->sleeves[side] + row * (rim + 1) + step;
@@ -228,8 +227,8 @@ static void sew(Cutting *cutting, uint32_t a, uint32_t b)
 // Front to back along both sides and both shoulders.
 static void sew_halves(Cutting *cutting)
 {
-    const uint32_t last = percale_dress_columns(cutting->grid) / 2;
-    for (uint32_t row = 0; row <= percale_dress_rows(cutting->grid); row++) {
+    const uint32_t last = percale_garment_columns(cutting->grid) / 2;
+    for (uint32_t row = 0; row <= percale_garment_rows(cutting->grid); row++) {
         if (!is_cut_out(cutting->grid, row, 0)) {
             sew(cutting, *half_vertex(cutting, 0, row, 0), *half_vertex(cutting, 1, row, last));
             sew(cutting, *half_vertex(cutting, 0, row, last), *half_vertex(cutting, 1, row, 0));
@@ -240,7 +239,7 @@ static void sew_halves(Cutting *cutting)
 // Round the armhole, then along the underarm, whose first pair the armhole and the side seam already hold.
 static void sew_sleeve(Cutting *cutting, int side)
 {
-    const uint32_t rim = percale_dress_rim(cutting->grid);
+    const uint32_t rim = percale_garment_rim(cutting->grid);
     const uint32_t first = cutting->sleeves[side];
     for (uint32_t step = 0; step <= rim; step++) {
         sew(cutting, rim_vertex(cutting, side, step), first + step);
@@ -252,14 +251,15 @@ static void sew_sleeve(Cutting *cutting, int side)
 
 // ---- all together ----
 
-static bool reserve(Cutting *cutting)
+static bool reserve(Cutting *cutting, const char *name)
 {
-    const PercaleDressGrid grid = cutting->grid;
+    const PercaleGarmentGrid grid = cutting->grid;
     const size_t vertices = (size_t)vertex_count(grid);
-    const size_t half_points = ((size_t)percale_dress_columns(grid) / 2 + 1) * (percale_dress_rows(grid) + 1);
-    const size_t seams =
-        2 * (size_t)(percale_dress_rows(grid) + 1) + 2 * ((size_t)percale_dress_rim(grid) + 1 + grid.sleeve);
-    cutting->mesh->name = malloc(sizeof "dress");
+    const size_t half_points =
+        ((size_t)percale_garment_columns(grid) / 2 + 1) * (percale_garment_rows(grid) + 1);
+    const size_t seams = 2 * (size_t)(percale_garment_rows(grid) + 1) +
+                         2 * ((size_t)percale_garment_rim(grid) + 1 + grid.sleeve);
+    cutting->mesh->name = strdup(name);
     cutting->mesh->positions = malloc(3 * vertices * sizeof *cutting->mesh->positions);
     cutting->mesh->triangles = malloc(6 * vertices * sizeof *cutting->mesh->triangles);
     cutting->halves[0] = malloc(half_points * sizeof *cutting->halves[0]);
@@ -271,7 +271,6 @@ static bool reserve(Cutting *cutting)
 
 static void cut_and_sew(Cutting *cutting)
 {
-    memcpy(cutting->mesh->name, "dress", sizeof "dress");
     for (int half = 0; half < 2; half++) {
         cut_half(cutting, half);
         fill_half(cutting, half);
@@ -284,38 +283,55 @@ static void cut_and_sew(Cutting *cutting)
     }
 }
 
-bool percale_dress_make(uint64_t size, float thickness, PercaleMesh *mesh, uint32_t (**seams)[2],
-                        uint32_t *seam_count, PercaleSceneError *error)
+uint64_t percale_garment_vertices(const PercaleGarmentCut *cut)
+{
+    return vertex_count(cut->grid);
+}
+
+double percale_garment_sag(const PercaleGarmentCut *cut, uint64_t size)
+{
+    return SAG * fmax((double)cut->smooth / (double)size - 1.0, 0.0);
+}
+
+static bool check_wish(const PercaleGarmentCut *cut, uint64_t size, double thickness,
+                       PercaleSceneError *error)
+{
+    if (size < cut->smallest || size > LARGEST) {
+        return percale_scene_fail(error, "%s: size %llu is not in %llu..%llu vertices", cut->name,
+                                  (unsigned long long)size, (unsigned long long)cut->smallest,
+                                  (unsigned long long)LARGEST);
+    }
+    return (thickness >= THINNEST && thickness <= THICKEST) ||
+           percale_scene_fail(error, "%s: thickness %g m is not in %g..%g m", cut->name, thickness, THINNEST,
+                              THICKEST);
+}
+
+bool percale_garment_make(const PercaleGarmentCut *cut, uint64_t size, float thickness, double outwards,
+                          PercaleMesh *mesh, uint32_t (**seams)[2], uint32_t *seam_count,
+                          PercaleSceneError *error)
 {
     memset(mesh, 0, sizeof *mesh);
     *seams = NULL;
     *seam_count = 0;
-    if (size < SMALLEST || size > LARGEST) {
-        (void)snprintf(error->text, sizeof error->text, "dress: size %llu is not in %llu..%llu vertices",
-                       (unsigned long long)size, (unsigned long long)SMALLEST, (unsigned long long)LARGEST);
+    if (!check_wish(cut, size, (double)thickness, error)) {
         return false;
     }
-    if (!((double)thickness >= THINNEST && (double)thickness <= THICKEST)) {
-        (void)snprintf(error->text, sizeof error->text, "dress: thickness %g m is not in %g..%g m",
-                       (double)thickness, THINNEST, THICKEST);
-        return false;
-    }
-    const double sag = SAG * fmax(SAGGING / (double)size - 1.0, 0.0);
-    PercaleDressShape *shape = percale_dress_shape_make(TIGHT * (double)thickness + FACETS + sag);
-    Cutting cutting = {.grid = grid_for(size), .shape = shape, .mesh = mesh};
-    const bool good = reserve(&cutting) && shape;
+    const double clearance = TIGHT * (double)thickness + FACETS + percale_garment_sag(cut, size);
+    const PercaleGarmentSurface surface = {.cut = cut, .clearance = clearance, .outwards = outwards};
+    PercaleGarmentShape *shape = percale_garment_shape_make(&surface);
+    Cutting cutting = {.grid = grid_for(cut, size), .shape = shape, .mesh = mesh};
+    const bool good = reserve(&cutting, cut->name) && shape;
     if (good) {
         cut_and_sew(&cutting);
         *seams = cutting.seams;
         *seam_count = cutting.seam_count;
     } else {
-        (void)snprintf(error->text, sizeof error->text, "dress: out of memory for %llu vertices",
-                       (unsigned long long)size);
+        percale_scene_fail(error, "%s: out of memory for %llu vertices", cut->name, (unsigned long long)size);
         percale_mesh_free(mesh);
         free(cutting.seams);
     }
     free(cutting.halves[0]);
     free(cutting.halves[1]);
-    percale_dress_shape_free(shape);
+    percale_garment_shape_free(shape);
     return good;
 }
