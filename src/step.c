@@ -257,21 +257,18 @@ static bool find_candidates(Substep *substep, const f32x4 *seen)
 {
     PercaleSolver *solver = substep->solver;
     const PercaleModel *model = &solver->model;
-    PercaleCandidates *candidates = &solver->candidates;
     float later = later_substeps(&solver->def);
     const f32x4 *ahead = look_ahead(substep, seen, later);
     if (ahead == NULL) {
         return false;
     }
-    if (percale_candidates_hold(candidates, model->position, ahead, candidates->margin, substep->team)) {
-        return true;
-    }
-    const f32x4 *places[3] = {model->position, ahead, seen};
-    const f32x4 *start_and_end[2] = {model->position, seen};
-    bool only_two = later <= 0.0f;
-    return percale_candidates_find(candidates, only_two ? start_and_end : places, only_two ? 2 : 3,
-                                   &solver->collectors, &solver->detect_memory, substep->team,
-                                   &solver->counters.candidates);
+    PercaleCandidateStage stage = {.from = model->position,
+                                   .to = ahead,
+                                   .all_near = later > 0.0f,
+                                   .collectors = &solver->collectors,
+                                   .memory = &solver->detect_memory,
+                                   .team = substep->team};
+    return percale_candidates_keep(&solver->candidates, &stage, &solver->counters.candidates);
 }
 
 /// Pairs of the cloth's features, and of its edges and faces with the obstacles'; of some sources, or of all.

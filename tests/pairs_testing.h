@@ -15,12 +15,16 @@ static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, c
     PercaleModel *model = &solver->model;
     PercaleCandidates *candidates = &solver->candidates;
     PercalePairCounts counts = {0};
-    const f32x4 *places[2] = {model->position, model->predicted};
     PercaleTeam *alone = percale_team_alone();
+    PercaleCandidateStage ways = {.from = model->position,
+                                  .to = model->predicted,
+                                  .collectors = &solver->collectors,
+                                  .memory = &solver->detect_memory,
+                                  .team = alone};
     candidates->cloth = !obstacles;
     candidates->obstacles = obstacles;
-    ck_assert(percale_candidates_find(candidates, places, 2, &solver->collectors, &solver->detect_memory,
-                                      alone, &counts.candidates));
+    candidates->known = false;
+    ck_assert(percale_candidates_keep(candidates, &ways, &counts.candidates));
     PercalePairStage stage = {.model = model,
                               .end = model->predicted,
                               .candidates = candidates,

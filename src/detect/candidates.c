@@ -1,39 +1,43 @@
 #include "detect/candidates.h"
 
-#include "base/parallel.h"
-#include "base/reduce.h"
+#include "detect/candidate_search.h"
 #include "model/order.h"
 
 #include <string.h>
 
 // Share of the mean edge by which candidates may be farther apart than in reach: more makes the lists longer,
-// less makes them anew more often.
+// less makes them anew more often. A block whose pairs don't last gets twice as much, one whose pairs last
+// long gets half.
 static const float MARGIN = 0.25f;
+static const float MARGIN_MOST = 0.5f;
+enum { SHORT_AGE = 6, LONG_AGE = 60 }; // twice in a substep
 
-// Of the sum of some coordinates, what a few operations of float32 round away.
-static const float ROUNDED = 1e-6f;
+// Share of the margin that a block may deviate from its anchors before it gets new ones: more makes blocks
+// that are found anew begin with what those near them have deviated, less adds up what shakes to and fro.
+static const float ANCHORED = 0.125f;
 
 enum {
-    BLOCK_SLOTS = 64,  // at least: where it bends, a larger block deviates more from its mean
-    BLOCKS_MOST = 512, // all are compared with each other
+    BLOCK_SLOTS = 64,              // at most: where it bends, a larger block deviates more from its centre
+    BLOCK_EDGES = 3 * BLOCK_SLOTS, // of a mesh, which has so many
 };
 
-/// What a block has moved since the reference, at the start of a way and at its end.
-struct PercaleBlock {
-    f32x4 low, high;    // box of its ways, with all edges and triangles that have one of its points
-    f32x4 mean[2];      // m
-    float deviation[2]; // m, from the mean, at most
-};
-
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
+// Mean edges that a block is wide at most: a square of BLOCK_SLOTS has 8 on a side.
+static const float BLOCK_EDGES_WIDE = 10.0f;
 
 /// Farthest that a surface of this thickness is in reach of a cloth, m.
 static float widest_reach(const PercaleCandidates *candidates, float thickness)
 {
     return 1.001f * 0.5f * CONTACT_REACH * (thickness + candidates->thickest);
+}
+
+static float widest_reach_of_all(const PercaleCandidates *candidates)
+{
+    const PercaleModel *model = candidates->model;
+    float thickest = candidates->thickest;
+    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+        thickest = fmaxf(thickest, model->obstacles[o].thickness);
+    }
+    return widest_reach(candidates, thickest);
 }
 
 // ---- create ----
@@ -45,48 +49,6 @@ static float mean_edge(const PercaleModel *model)
         sum += (double)model->edge_lengths[e];
     }
     return model->edge_count > 0 ? (float)(sum / (double)model->edge_count) : 0.0f;
-}
-
-/// Slots of other blocks at the other ends of edges. Once to count, once to fill.
-static uint32_t list_halo(PercaleCandidates *candidates, uint32_t *cursor, uint32_t *halo)
-{
-    const PercaleEdges *edges = &candidates->model->cloth.edges;
-    uint32_t count = 0;
-    for (uint32_t e = 0; e < edges->edge_count; e++) {
-        uint32_t blocks[2] = {edges->vertices[e][0] / candidates->block_size,
-                              edges->vertices[e][1] / candidates->block_size};
-        for (int end = 0; blocks[0] != blocks[1] && end < 2; end++) {
-            uint32_t at = cursor[blocks[end]]++;
-            if (halo != NULL) {
-                halo[at] = edges->vertices[e][1 - end];
-            }
-            count++;
-        }
-    }
-    return count;
-}
-
-static bool find_halo(PercaleCandidates *candidates, PercaleMemory *memory)
-{
-    candidates->halo_first =
-        percale_memory_new(memory, (size_t)candidates->cloth_blocks + 2, sizeof(uint32_t));
-    if (candidates->halo_first == NULL) {
-        return false;
-    }
-    uint32_t *cursor = candidates->halo_first + 1;
-    uint32_t count = list_halo(candidates, cursor, NULL);
-    uint32_t before = 0;
-    for (uint32_t b = 0; b <= candidates->cloth_blocks; b++) {
-        uint32_t here = cursor[b];
-        cursor[b] = before;
-        before += here;
-    }
-    candidates->halo = percale_memory_new(memory, count, sizeof(uint32_t));
-    if (candidates->halo == NULL) {
-        return false;
-    }
-    (void)list_halo(candidates, cursor, candidates->halo);
-    return true;
 }
 
 /// An obstacle's vertices or edges along a curve: nobody else has ordered them.
@@ -108,248 +70,425 @@ static bool order_items(PercaleCandidateList *list, bool of_edges, const f32x4 *
     return complete;
 }
 
+/// The items of a list, while they are cut into blocks.
+typedef struct Items {
+    PercaleCandidateList *list;
+    const f32x4 *x;
+    uint32_t count, most; // of all, of a block
+    bool edges;           // else vertices
+    float widest;         // m; where the curve jumps, a block ends
+} Items;
+
+static Items items_of(const PercaleCandidates *candidates, PercaleCandidateList *list, bool edges)
+{
+    const PercaleModelSurface *mesh = list->mesh;
+    const f32x4 *x = candidates->model->position;
+    float sum = 0.0f;
+    for (uint32_t e = 0; e < mesh->edges.edge_count; e++) {
+        const uint32_t *ends = mesh->edges.vertices[e];
+        sum += length3(x[mesh->first_point + ends[0]] - x[mesh->first_point + ends[1]]);
+    }
+    return (Items){list,
+                   x,
+                   edges ? mesh->edges.edge_count : mesh->vertex_count,
+                   edges ? BLOCK_EDGES : BLOCK_SLOTS,
+                   edges,
+                   BLOCK_EDGES_WIDE * sum / fmaxf((float)mesh->edges.edge_count, 1.0f)};
+}
+
+static void points_of_item(const Items *items, uint32_t place, uint32_t points[2])
+{
+    const PercaleCandidateList *list = items->list;
+    uint32_t item = list->order != NULL ? list->order[place] : place;
+    for (int k = 0; k < 2; k++) {
+        points[k] = list->mesh->first_point + (items->edges ? list->mesh->edges.vertices[item][k] : item);
+    }
+}
+
+static uint32_t end_of_block(const Items *items, uint32_t first)
+{
+    uint32_t points[2];
+    points_of_item(items, first, points);
+    f32x4 low = items->x[points[0]];
+    f32x4 high = low;
+    uint32_t end = first;
+    for (; end < items->count && end < first + items->most; end++) {
+        points_of_item(items, end, points);
+        low = min4(low, min4(items->x[points[0]], items->x[points[1]]));
+        high = max4(high, max4(items->x[points[0]], items->x[points[1]]));
+        f32x4 size = high - low;
+        if (end > first && fmaxf(size[0], fmaxf(size[1], size[2])) > items->widest) {
+            break;
+        }
+    }
+    return end;
+}
+
+/// Cuts a list into blocks, the first of which has this number.
+static bool cut_list(const Items *items, uint32_t first_block, PercaleMemory *memory)
+{
+    PercaleCandidateList *list = items->list;
+    list->first_block = first_block;
+    for (uint32_t i = 0; i < items->count; i = end_of_block(items, i)) {
+        list->block_count++;
+    }
+    list->first_item = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(uint32_t));
+    list->pairs = percale_memory_new(memory, list->block_count, sizeof(list->pairs[0]));
+    list->first_pair = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(size_t));
+    if (list->first_item == NULL || list->pairs == NULL || list->first_pair == NULL) {
+        return false;
+    }
+    for (uint32_t b = 0; b < list->block_count; b++) {
+        list->first_item[b + 1] = end_of_block(items, list->first_item[b]);
+    }
+    return true;
+}
+
+/// The cloth's edges are in the order of their first slots, and in the same blocks as these.
+static bool cut_cloth_edges(PercaleCandidateList *edges, const PercaleCandidateList *slots,
+                            PercaleMemory *memory)
+{
+    edges->block_count = slots->block_count;
+    edges->first_item = percale_memory_new(memory, (size_t)edges->block_count + 1, sizeof(uint32_t));
+    edges->pairs = percale_memory_new(memory, edges->block_count, sizeof(edges->pairs[0]));
+    edges->first_pair = percale_memory_new(memory, (size_t)edges->block_count + 1, sizeof(size_t));
+    if (edges->first_item == NULL || edges->pairs == NULL || edges->first_pair == NULL) {
+        return false;
+    }
+    const PercaleEdges *all = &edges->mesh->edges;
+    uint32_t edge = 0;
+    for (uint32_t b = 0; b < edges->block_count; b++) {
+        while (edge < all->edge_count && all->vertices[edge][0] < slots->first_item[b + 1]) {
+            edge++;
+        }
+        edges->first_item[b + 1] = edge;
+    }
+    return true;
+}
+
+/// Points of the blocks: those of the items, and with the cloth's slots all triangles that have one of them.
+static bool list_points(const Items *items, PercaleBlockLister *lister, PercaleMemory *memory)
+{
+    const PercaleCandidateList *list = items->list;
+    bool is_cloth = list->mesh->first_point == 0;
+    bool complete = true;
+    for (uint32_t b = 0; complete && b < list->block_count; b++) {
+        complete = percale_blocks_open(lister, memory);
+        for (uint32_t i = list->first_item[b]; complete && i < list->first_item[b + 1]; i++) {
+            uint32_t points[2];
+            points_of_item(items, i, points);
+            complete = percale_blocks_add(lister, points[0], memory) &&
+                       percale_blocks_add(lister, points[1], memory);
+        }
+        const uint32_t *faces = list->mesh->vertex_first_face;
+        uint32_t end = is_cloth ? faces[list->first_item[b + 1]] : 0;
+        for (uint32_t i = is_cloth ? faces[list->first_item[b]] : 0; complete && i < end; i++) {
+            const uint32_t *corners = list->mesh->triangles + 3 * (size_t)list->mesh->vertex_faces[i];
+            complete = percale_blocks_add(lister, corners[0], memory) &&
+                       percale_blocks_add(lister, corners[1], memory) &&
+                       percale_blocks_add(lister, corners[2], memory);
+        }
+    }
+    return complete;
+}
+
+static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBlockLister *lister,
+                          PercaleMemory *memory)
+{
+    const PercaleModel *model = candidates->model;
+    PercaleCandidateList *lists = candidates->lists;
+    Items slots = items_of(candidates, &lists[0], false);
+    bool complete = cut_list(&slots, 0, memory) && cut_cloth_edges(&lists[1], &lists[0], memory) &&
+                    list_points(&slots, lister, memory);
+    for (uint32_t i = 2; complete && candidates->obstacles && i < candidates->list_count; i++) {
+        bool of_edges = i % 2 == 1;
+        if (edges || !of_edges) {
+            complete = order_items(&lists[i], of_edges, model->position, memory);
+            Items items = items_of(candidates, &lists[i], of_edges);
+            complete =
+                complete && cut_list(&items, lister->count, memory) && list_points(&items, lister, memory);
+        }
+    }
+    complete = complete && percale_blocks_create(&candidates->blocks, lister, lists[0].block_count,
+                                                 model->position, memory);
+    candidates->spent.blocks = percale_memory_new(memory, candidates->blocks.count, sizeof(uint32_t));
+    candidates->margins = percale_memory_new(memory, candidates->blocks.count, sizeof(float));
+    candidates->ages = percale_memory_new(memory, candidates->blocks.count, sizeof(uint32_t));
+    for (uint32_t b = 0; candidates->margins != NULL && b < candidates->blocks.count; b++) {
+        candidates->margins[b] = candidates->margin;
+    }
+    return complete && candidates->spent.blocks != NULL && candidates->margins != NULL &&
+           candidates->ages != NULL;
+}
+
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
                                bool edges, bool obstacles, PercaleMemory *memory)
 {
     *candidates = (PercaleCandidates){.model = model, .cloth = cloth, .obstacles = obstacles};
-    uint32_t mesh_count = 1 + model->obstacle_count;
-    uint32_t size = (model->slot_count + BLOCKS_MOST - 1) / BLOCKS_MOST;
     candidates->margin = MARGIN * mean_edge(model);
     candidates->thickest = thickest_cloth(model);
-    candidates->list_count = 2 * mesh_count;
-    candidates->block_size = size > BLOCK_SLOTS ? size : BLOCK_SLOTS;
-    candidates->cloth_blocks = (model->slot_count + candidates->block_size - 1) / candidates->block_size;
-    uint32_t block_count = candidates->cloth_blocks + model->obstacle_count;
+    candidates->list_count = 2 + 2 * model->obstacle_count;
     candidates->lists = percale_memory_new(memory, candidates->list_count, sizeof(candidates->lists[0]));
-    candidates->reference = percale_memory_new(memory, model->point_count, sizeof(f32x4));
-    candidates->blocks = percale_memory_new(memory, block_count, sizeof(candidates->blocks[0]));
-    candidates->moved =
-        percale_memory_new(memory, (size_t)mesh_count * candidates->cloth_blocks, sizeof(float));
-    bool complete = candidates->lists != NULL && candidates->reference != NULL &&
-                    candidates->blocks != NULL && candidates->moved != NULL &&
-                    find_halo(candidates, memory) &&
+    for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
+        candidates->lists[i].mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
+    }
+    PercaleBlockLister lister = {.last = percale_memory_new(memory, model->point_count, sizeof(uint32_t))};
+    bool complete = candidates->lists != NULL && lister.last != NULL &&
+                    create_blocks(candidates, edges, &lister, memory) &&
                     percale_tree_build(&candidates->faces, model->cloth.triangles, 3,
                                        model->cloth.triangle_count, model->position, memory) &&
                     (!edges || percale_tree_build(&candidates->edges, model->cloth.edges.vertices[0], 2,
                                                   model->cloth.edges.edge_count, model->position, memory));
-    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        PercaleCandidateList *list = &candidates->lists[i];
-        list->mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
-        complete = i < 2 || !obstacles || (i % 2 == 1 && !edges) ||
-                   order_items(list, i % 2 == 1, model->position, memory);
-    }
+    percale_memory_free(memory, lister.last);
+    percale_memory_free(memory, lister.first);
+    percale_memory_free(memory, lister.points);
     return complete;
 }
 
 void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory)
 {
     for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
-        percale_memory_free(memory, candidates->lists[i].pairs.items);
-        percale_memory_free(memory, candidates->lists[i].order);
+        PercaleCandidateList *list = &candidates->lists[i];
+        for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
+            percale_memory_free(memory, list->pairs[b].items);
+        }
+        percale_memory_free(memory, list->pairs);
+        percale_memory_free(memory, list->first_pair);
+        percale_memory_free(memory, list->first_item);
+        percale_memory_free(memory, list->order);
     }
     percale_memory_free(memory, candidates->lists);
-    percale_memory_free(memory, candidates->reference);
-    percale_memory_free(memory, candidates->blocks);
-    percale_memory_free(memory, candidates->moved);
-    percale_memory_free(memory, candidates->halo_first);
-    percale_memory_free(memory, candidates->halo);
+    percale_memory_free(memory, candidates->spent.blocks);
+    percale_memory_free(memory, candidates->margins);
+    percale_memory_free(memory, candidates->ages);
+    percale_blocks_free(&candidates->blocks, memory);
     percale_tree_free(&candidates->faces, memory);
     percale_tree_free(&candidates->edges, memory);
     *candidates = (PercaleCandidates){0};
 }
 
-// ---- hold ----
+// ---- keep ----
 
-/// What the chunks of a check share.
-typedef struct Check {
-    PercaleCandidates *candidates;
-    const f32x4 *places[2]; // start and end of the ways
-    float slack;
-    ReducedUint spent; // the first block that has moved too far against another
-} Check;
-
-/// Points of a block: of the cloth, or all of an obstacle.
-static void block_points(const PercaleCandidates *candidates, uint32_t block, uint32_t range[2])
+/// The blocks that look for candidates: those of the cloth, of obstacles, or both.
+static void searching_blocks(const PercaleCandidates *candidates, uint32_t range[2])
 {
-    const PercaleModel *model = candidates->model;
-    if (block >= candidates->cloth_blocks) {
-        const PercaleModelSurface *obstacle = &model->obstacles[block - candidates->cloth_blocks];
-        range[0] = obstacle->first_point;
-        range[1] = obstacle->first_point + obstacle->vertex_count;
-        return;
-    }
-    range[0] = block * candidates->block_size;
-    range[1] = range[0] + candidates->block_size;
-    range[1] = range[1] < model->slot_count ? range[1] : model->slot_count;
+    const PercaleBlocks *blocks = &candidates->blocks;
+    range[0] = candidates->cloth ? 0 : blocks->cloth_count;
+    range[1] = candidates->obstacles ? blocks->count : blocks->cloth_count;
 }
 
-static void measure_motion(struct PercaleBlock *block, const f32x4 *x, const f32x4 *reference,
-                           const uint32_t range[2], int place)
+static bool is_spent(const PercaleCandidates *candidates, uint32_t b, float spare)
 {
-    f32x4 sum = {0};
-    for (uint32_t i = range[0]; i < range[1]; i++) {
-        sum += x[i] - reference[i];
-        block->low = min4(block->low, x[i]);
-        block->high = max4(block->high, x[i]);
-    }
-    block->mean[place] = sum / (float)(range[1] - range[0]);
-    for (uint32_t i = range[0]; i < range[1]; i++) {
-        block->deviation[place] =
-            larger(block->deviation[place], length3(x[i] - reference[i] - block->mean[place]));
-    }
+    return !candidates->known || !(candidates->blocks.items[b].moved <= candidates->margins[b] + spare);
 }
 
-static void measure_blocks(void *context, uint32_t first, uint32_t end)
+/// Lists the blocks whose pairs may not be all any longer, or whose moment is about to be forgotten.
+static void list_spent(PercaleCandidates *candidates, const uint32_t range[2], float spare)
 {
-    const Check *check = context;
-    const PercaleCandidates *candidates = check->candidates;
-    for (uint32_t b = first; b < end; b++) {
-        uint32_t range[2];
-        block_points(candidates, b, range);
-        f32x4 at = check->places[0][range[0]];
-        struct PercaleBlock block = {.low = at, .high = at};
-        for (int i = 0; i < 2; i++) {
-            const f32x4 *x = check->places[i];
-            measure_motion(&block, x, candidates->reference, range, i);
-            for (uint32_t h = b < candidates->cloth_blocks ? candidates->halo_first[b] : 0;
-                 b < candidates->cloth_blocks && h < candidates->halo_first[b + 1]; h++) {
-                block.low = min4(block.low, x[candidates->halo[h]]);
-                block.high = max4(block.high, x[candidates->halo[h]]);
-            }
+    const PercaleBlocks *blocks = &candidates->blocks;
+    bool any = false;
+    for (uint32_t b = range[0]; b < range[1]; b++) {
+        any = any || is_spent(candidates, b, spare);
+        candidates->ages[b]++;
+    }
+    candidates->spent.count = 0;
+    for (uint32_t b = range[0]; any && b < range[1]; b++) {
+        if (is_spent(candidates, b, spare) || blocks->items[b].moment == percale_blocks_oldest(blocks)) {
+            candidates->spent.blocks[candidates->spent.count++] = b;
         }
-        candidates->blocks[b] = block;
     }
 }
 
-/// How far two points of the blocks have moved against each other, at most; 0 when they are far apart.
-static float moved_against(const struct PercaleBlock *a, const struct PercaleBlock *b, float reach)
+/// Wider margins for those whose pairs have not lasted, narrower ones for those whose pairs have.
+static void adapt_margins(PercaleCandidates *candidates)
 {
-    f32x4 apart = max4(a->low - b->high, b->low - a->high);
-    if (apart[0] > reach || apart[1] > reach || apart[2] > reach) {
-        return 0.0f;
+    for (uint32_t i = 0; i < candidates->spent.count; i++) {
+        uint32_t b = candidates->spent.blocks[i];
+        float *margin = &candidates->margins[b];
+        if (candidates->known && candidates->ages[b] <= SHORT_AGE) {
+            *margin = fminf(2.0f * *margin, MARGIN_MOST / MARGIN * candidates->margin);
+        } else if (candidates->ages[b] >= LONG_AGE) {
+            *margin = fmaxf(0.5f * *margin, candidates->margin);
+        }
+        candidates->ages[b] = 0;
     }
-    float moved[2];
-    for (int i = 0; i < 2; i++) {
-        moved[i] = length3(a->mean[i] - b->mean[i]) + a->deviation[i] + b->deviation[i];
-    }
-    float rounded = 0.0f;
-    for (int axis = 0; axis < 3; axis++) {
-        rounded += ROUNDED * (fabsf(a->low[axis]) + fabsf(a->high[axis]));
-    }
-    return larger(moved[0], moved[1]) + rounded;
 }
 
-static float widest_reach_of_all(const PercaleCandidates *candidates)
+/// Numbers all pairs of each list, for those who share them out.
+static void count_pairs(PercaleCandidates *candidates)
 {
-    const PercaleModel *model = candidates->model;
-    float thickest = candidates->thickest;
-    for (uint32_t o = 0; o < model->obstacle_count; o++) {
-        thickest = larger(thickest, model->obstacles[o].thickness);
+    for (uint32_t i = 0; i < candidates->list_count; i++) {
+        PercaleCandidateList *list = &candidates->lists[i];
+        for (uint32_t b = 0; b < list->block_count; b++) {
+            list->first_pair[b + 1] = list->first_pair[b] + list->pairs[b].count;
+        }
     }
-    return widest_reach(candidates, thickest);
 }
 
-static void compare_blocks(void *context, uint32_t first, uint32_t end)
+static void forget_pairs(PercaleCandidates *candidates)
 {
-    Check *check = context;
-    PercaleCandidates *candidates = check->candidates;
-    const struct PercaleBlock *blocks = candidates->blocks;
-    uint32_t cloth_blocks = candidates->cloth_blocks;
+    for (uint32_t i = 0; i < candidates->list_count; i++) {
+        for (uint32_t b = 0; b < candidates->lists[i].block_count; b++) {
+            candidates->lists[i].pairs[b].count = 0;
+        }
+    }
+}
+
+bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandidateStage *stage,
+                             uint64_t *tested)
+{
+    PercaleBlocks *blocks = &candidates->blocks;
     float reach = widest_reach_of_all(candidates);
-    for (uint32_t a = first; a < end; a++) {
-        float most = 0.0f;
-        for (uint32_t b = 0; candidates->cloth && b < cloth_blocks; b++) {
-            most = larger(most, moved_against(&blocks[a], &blocks[b], reach));
-        }
-        candidates->moved[a] = most;
-        for (uint32_t o = 0; candidates->obstacles && o < candidates->model->obstacle_count; o++) {
-            float moved = moved_against(&blocks[a], &blocks[cloth_blocks + o], reach);
-            candidates->moved[(1 + o) * cloth_blocks + a] = moved;
-            most = larger(most, moved);
-        }
-        if (!(most <= check->slack)) {
-            reduce_min(&check->spent, a);
-        }
+    uint32_t range[2];
+    searching_blocks(candidates, range);
+    percale_blocks_measure(blocks, stage->from, stage->to, stage->team);
+    percale_blocks_compare(blocks, range[0], range[1], reach, stage->team);
+    list_spent(candidates, range, stage->spare);
+    if (candidates->spent.count == 0) {
+        return true;
     }
-}
-
-bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, const f32x4 *to, float slack,
-                             PercaleTeam *team)
-{
-    enum { GRAIN_BLOCKS = 16 };
     if (!candidates->known) {
-        return false;
+        forget_pairs(candidates);
     }
-    Check check = {candidates, {from, to}, slack, UINT32_MAX};
-    uint32_t block_count = candidates->cloth_blocks + candidates->model->obstacle_count;
-    PercalePhase phases[2] = {{measure_blocks, &check, 0, block_count, GRAIN_BLOCKS},
-                              {compare_blocks, &check, 0, candidates->cloth_blocks, GRAIN_BLOCKS}};
-    percale_team_run(team, phases, 2);
-    return check.spent == UINT32_MAX;
+    adapt_margins(candidates);
+    percale_blocks_begin(blocks, &candidates->spent, stage->from, stage->to, ANCHORED * candidates->margin,
+                         reach, stage->team);
+    candidates->known = percale_candidates_search(candidates, stage, tested);
+    count_pairs(candidates);
+    return candidates->known;
 }
 
-/// How far what any of the cloth's points may touch has moved against them.
-static float most_moved(const PercaleCandidates *candidates, uint32_t list, const uint32_t *points,
-                        uint32_t count)
-{
-    const float *moved = candidates->moved + (size_t)(list / 2) * candidates->cloth_blocks;
-    float most = 0.0f;
-    for (uint32_t k = 0; k < count; k++) {
-        most = larger(most, moved[points[k] / candidates->block_size]);
-    }
-    return most;
-}
+// ---- visit ----
 
-bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
-                               float reach, PercaleCollector *collector)
+PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list)
 {
-    const PercaleModelSurface *cloth = &candidates->model->cloth;
-    const PercaleItemPair *pairs = candidates->lists[list].pairs.items;
-    PercaleItemPairList *touched = &collector->touched;
+    const PercaleModel *model = candidates->model;
+    const PercaleModelSurface *cloth = &model->cloth;
     bool of_edges = list % 2 == 1;
-    bool of_cloth = list < 2;
+    return (PercaleNeighborhood){.primitives = of_edges ? cloth->edges.vertices[0] : cloth->triangles,
+                                 .arity = of_edges ? 2 : 3,
+                                 .from = model->position,
+                                 .to = model->predicted};
+}
+
+bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
+                               PercaleCollector *collector)
+{
+    PercaleItemPairList *touched = &collector->touched;
     touched->count = 0;
-    if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, run.end - run.first,
+    if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, count,
                                 sizeof(pairs[0]))) {
         return false;
     }
-    float most = 0.0f;
-    if (of_cloth) { // the item's own points say it for all
-        const uint32_t *points = of_edges ? cloth->edges.vertices[run.item] : &run.item;
-        most = most_moved(candidates, list, points, of_edges ? 2 : 1);
-    }
-    for (size_t i = run.first; i < run.end; i++) {
-        if (!of_cloth) {
-            uint32_t primitive = pairs[i].primitive;
-            most = of_edges ? most_moved(candidates, list, cloth->edges.vertices[primitive], 2)
-                            : most_moved(candidates, list, cloth->triangles + 3 * (size_t)primitive, 3);
-        }
-        if (pairs[i].distance <= reach + most) {
+    for (size_t i = 0; i < count; i++) {
+        if (pairs[i].distance <= reach + moved) {
             touched->items[touched->count++] = pairs[i];
         }
     }
     return true;
 }
 
-// ---- find ----
+/// The pairs of one item.
+static void visit_item(const PercaleVisiting *visiting, PercaleCollector *collector,
+                       const PercaleItemPair *pairs, size_t count, float moved)
+{
+    const PercaleCandidates *candidates = visiting->candidates;
+    const PercaleCandidateList *list = &candidates->lists[visiting->list];
+    uint32_t item = list->order != NULL ? list->order[pairs->place] : pairs->place;
+    PercaleQuery query = percale_candidate_query(candidates, list->mesh, visiting->hood.arity == 2, item);
+    query.reach = visiting->only_passing ? 0.0f : query.reach;
+    collector->neighbors.count = 0;
+    bool complete =
+        percale_candidates_select(pairs, count, query.reach, moved, collector) &&
+        percale_neighbors_find(&visiting->hood, &query, collector->touched.items, collector->touched.count,
+                               &collector->memory, &collector->neighbors);
+    collector->candidates += collector->touched.count;
+    collector->complete = collector->complete && complete;
+    if (complete && collector->neighbors.count > 0) {
+        visiting->visit(visiting->context, collector, &query, pairs->place, item);
+    }
+}
 
-/// The items of one list, to be asked for.
-typedef struct Search {
-    const PercaleCandidates *candidates;
-    const PercaleCandidateList *list;
-    PercaleNeighborhood hood;
-    const PercaleTree *tree;
-    const f32x4 *const *places;
-    int place_count;
-} Search;
+/// The block with that pair.
+static uint32_t block_of_pair(const PercaleCandidateList *list, uint64_t pair)
+{
+    uint32_t low = 0;
+    uint32_t high = list->block_count - 1;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (list->first_pair[middle + 1] > pair) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    return low;
+}
 
-/// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
-typedef struct Group {
-    uint32_t first, count; // places in the list's order
-    PercaleQuery queries[TREE_WIDTH];
-    f32x4 low[TREE_WIDTH], high[TREE_WIDTH];
-    f32x4 least, most; // around all
-} Group;
+void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
+                              uint64_t end)
+{
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    uint32_t b = first < end ? block_of_pair(list, first) : list->block_count;
+    for (; b < list->block_count && list->first_pair[b] < end; b++) {
+        const PercaleItemPairList *pairs = &list->pairs[b];
+        float moved = visiting->candidates->blocks.items[list->first_block + b].moved;
+        size_t i = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
+        while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
+            i++;
+        }
+        while (collector->complete && i < pairs->count && list->first_pair[b] + i < end) {
+            size_t next = i + 1;
+            while (next < pairs->count && pairs->items[next].place == pairs->items[i].place) {
+                next++;
+            }
+            visit_item(visiting, collector, pairs->items + i, next - i, moved);
+            i = next;
+        }
+    }
+}
+
+/// The first pair whose place is not before this one.
+static size_t find_place(const PercaleItemPairList *pairs, uint32_t place)
+{
+    size_t low = 0;
+    size_t high = pairs->count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (pairs->items[middle].place < place) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleCollector *collector,
+                                    uint32_t place)
+{
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    uint32_t b = 0;
+    for (uint32_t high = list->block_count; b < high;) { // the block with that place
+        uint32_t middle = b + (high - b) / 2;
+        if (list->first_item[middle + 1] <= place) {
+            b = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    if (b == list->block_count) {
+        return;
+    }
+    size_t first = find_place(&list->pairs[b], place);
+    size_t end = find_place(&list->pairs[b], place + 1);
+    if (first < end) {
+        visit_item(visiting, collector, list->pairs[b].items + first, end - first,
+                   visiting->candidates->blocks.items[list->first_block + b].moved);
+    }
+}
+
+// ---- what a pair is ----
 
 PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
                                      bool edge, uint32_t item)
@@ -367,59 +506,6 @@ PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const 
     return query;
 }
 
-static void add_query(const Search *search, Group *group, uint32_t item)
-{
-    uint32_t k = group->count++;
-    PercaleQuery *query = &group->queries[k];
-    const PercaleCandidates *candidates = search->candidates;
-    *query = percale_candidate_query(candidates, search->list->mesh, search->tree->arity == 2, item);
-    query->reach += candidates->margin;
-    f32x4 low = search->places[0][query->points[0]];
-    f32x4 high = low;
-    for (int i = 0; i < search->place_count; i++) {
-        const f32x4 *x = search->places[i];
-        low = min4(low, min4(x[query->points[0]], x[query->points[1]]));
-        high = max4(high, max4(x[query->points[0]], x[query->points[1]]));
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        float slack = query->reach + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
-        low[axis] -= slack;
-        high[axis] += slack;
-    }
-    group->low[k] = low;
-    group->high[k] = high;
-    group->least = k == 0 ? low : min4(group->least, low);
-    group->most = k == 0 ? high : max4(group->most, high);
-}
-
-/// Primitives whose boxes the query's touches; of the cloth's edges, those after it.
-static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
-{
-    const PercaleTree *tree = search->tree;
-    PercaleItemPairList *touched = &collector->touched;
-    bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
-    uint32_t first = only_later ? group->first + k + 1 : 0; // the cloth's are in their own order
-    touched->count = 0;
-    for (size_t i = 0; i < collector->nodes.count; i++) {
-        uint32_t node = collector->nodes.items[i];
-        uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], group->low[k], group->high[k]));
-        if (bits == 0) {
-            continue;
-        }
-        if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity,
-                                    touched->count + TREE_WIDTH, sizeof(touched->items[0]))) {
-            return false;
-        }
-        for (; bits != 0; bits &= bits - 1) {
-            uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
-            if (primitive >= first) {
-                touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive, 0.0f};
-            }
-        }
-    }
-    return true;
-}
-
 bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t points[2], const uint32_t *corners,
                                  uint32_t corner_count)
 {
@@ -429,150 +515,6 @@ bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t point
                !(near_distance(&model->near, points[1], corners[corner]) > 0.0f);
     }
     return sewn;
-}
-
-static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t primitive)
-{
-    const PercaleModel *model = search->candidates->model;
-    uint32_t arity = search->hood.arity;
-    return search->list->mesh == &model->cloth &&
-           percale_candidates_are_sewn(model, query->points,
-                                       search->hood.primitives + (size_t)arity * primitive, arity);
-}
-
-/// Keeps the neighbours of an item, ascending.
-static void keep_neighbors(const Search *search, const PercaleQuery *query, PercaleCollector *collector,
-                           uint32_t place)
-{
-    PercaleNeighborList *found = &collector->neighbors;
-    for (size_t i = 1; i < found->count; i++) {
-        PercaleNeighbor neighbor = found->items[i];
-        size_t at = i;
-        for (; at > 0 && found->items[at - 1].index > neighbor.index; at--) {
-            found->items[at] = found->items[at - 1];
-        }
-        found->items[at] = neighbor;
-    }
-    for (size_t i = 0; i < found->count; i++) {
-        if (!are_sewn(search, query, found->items[i].index)) {
-            percale_collect_pair(collector,
-                                 (PercaleItemPair){place, found->items[i].index, found->items[i].distance});
-        }
-    }
-}
-
-static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
-{
-    const Search *search = context;
-    for (uint64_t i = first; collector->complete && i < end; i += TREE_WIDTH) {
-        const uint32_t *order = search->list->order;
-        Group group = {.first = (uint32_t)i};
-        for (uint64_t k = i; k < end && k < i + TREE_WIDTH; k++) {
-            add_query(search, &group, order != NULL ? order[k] : (uint32_t)k);
-        }
-        bool complete = percale_tree_overlap(search->tree, group.least, group.most, &collector->memory,
-                                             &collector->nodes);
-        for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
-            collector->neighbors.count = 0;
-            complete =
-                list_touched(search, &group, k, collector) &&
-                percale_neighbors_find(&search->hood, &group.queries[k], collector->touched.items,
-                                       collector->touched.count, &collector->memory, &collector->neighbors);
-            collector->candidates += collector->touched.count;
-            if (complete) {
-                keep_neighbors(search, &group.queries[k], collector, group.first + k);
-            }
-        }
-        collector->complete = collector->complete && complete;
-    }
-}
-
-bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *places, int place_count,
-                             PercaleCollectors *collectors, PercaleMemory *memory, PercaleTeam *team,
-                             uint64_t *tested)
-{
-    const PercaleModelSurface *cloth = &candidates->model->cloth;
-    const uint32_t *primitives[2] = {cloth->triangles, cloth->edges.vertices[0]};
-    const PercaleTree *trees[2] = {&candidates->faces, &candidates->edges};
-    const f32x4 *reference = places[place_count - 1];
-    candidates->known = false;
-    percale_tree_refit_swept(&candidates->faces, primitives[0], places, place_count, team);
-    if (candidates->edges.nodes != NULL) {
-        percale_tree_refit_swept(&candidates->edges, primitives[1], places, place_count, team);
-    }
-    bool complete = true;
-    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        PercaleCandidateList *list = &candidates->lists[i];
-        bool is_cloth = i < 2;
-        bool of_edges = i % 2 == 1;
-        list->pairs.count = 0;
-        if ((of_edges && candidates->edges.nodes == NULL) ||
-            !(is_cloth ? candidates->cloth : candidates->obstacles)) {
-            continue;
-        }
-        Search search = {
-            candidates,
-            list,
-            {primitives[of_edges], of_edges ? 2 : 3, places[0], reference, place_count > 2, true},
-            trees[of_edges],
-            places,
-            place_count};
-        uint32_t count = of_edges ? list->mesh->edges.edge_count : list->mesh->vertex_count;
-        complete = percale_collect(team, count, find_items, &search, collectors, memory,
-                                   &(PercaleCollected){.pairs = &list->pairs});
-        *tested += collectors->candidates;
-    }
-    if (complete) {
-        memcpy(candidates->reference, reference, candidates->model->point_count * sizeof(f32x4));
-        candidates->known = true;
-        (void)percale_candidates_hold(candidates, places[0], places[1], INFINITY, team);
-    }
-    return complete;
-}
-
-PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list)
-{
-    const PercaleModel *model = candidates->model;
-    const PercaleModelSurface *cloth = &model->cloth;
-    bool of_edges = list % 2 == 1;
-    return (PercaleNeighborhood){.primitives = of_edges ? cloth->edges.vertices[0] : cloth->triangles,
-                                 .arity = of_edges ? 2 : 3,
-                                 .from = model->position,
-                                 .to = model->predicted};
-}
-
-PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first)
-{
-    const PercaleItemPair *pairs = list->pairs.items;
-    while (first > 0 && first < list->pairs.count && pairs[first - 1].place == pairs[first].place) {
-        first++;
-    }
-    PercaleCandidateRun run = {.first = first, .end = first};
-    if (first < list->pairs.count) {
-        run.place = pairs[first].place;
-        run.item = list->order != NULL ? list->order[run.place] : run.place;
-    }
-    while (run.end < list->pairs.count && pairs[run.end].place == run.place) {
-        run.end++;
-    }
-    return run;
-}
-
-PercaleCandidateRun percale_candidates_run_at(const PercaleCandidateList *list, uint32_t place)
-{
-    size_t low = 0;
-    size_t high = list->pairs.count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (list->pairs.items[middle].place < place) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    PercaleCandidateRun run = percale_candidates_run(list, low);
-    run.end = run.place == place ? run.end : run.first;
-    return run;
 }
 
 bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t point, uint32_t slot)
@@ -601,16 +543,4 @@ float percale_candidates_least_reach(const PercaleCandidates *candidates)
         obstacle = fminf(obstacle, model->obstacles[o].thickness);
     }
     return 0.5f * CONTACT_REACH * (cloth + fminf(cloth, obstacle));
-}
-
-void percale_candidates_ask(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
-                            const PercaleNeighborhood *hood, const PercaleQuery *query,
-                            PercaleCollector *collector)
-{
-    collector->neighbors.count = 0;
-    bool complete = percale_candidates_select(candidates, list, run, query->reach, collector) &&
-                    percale_neighbors_find(hood, query, collector->touched.items, collector->touched.count,
-                                           &collector->memory, &collector->neighbors);
-    collector->candidates += collector->touched.count;
-    collector->complete = collector->complete && complete;
 }

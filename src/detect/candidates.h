@@ -3,15 +3,16 @@
 //   in   trees over the cloth's triangles and edges, positions
 //   out  for each item (a vertex or an edge) the primitives of the cloth that it may come to touch
 //
-// They are found where all points were at one moment, with a margin beyond the reach. Two points that were
-// farther apart than that can't touch as long as the difference of what they have moved is smaller. Slots are
-// cut into blocks: a block's motion is its mean and the greatest deviation from it, so what all fall together
-// costs nothing. Blocks are compared where they are near each other now, whether they were then or not.
-// The same bounds, block by block, tell which pairs of a list can't be near at the moment.
+// They are found with a margin beyond the reach. Two features that were farther apart than that can't touch
+// as long as the difference of what their points have moved is smaller. Items that lie together are a block
+// (blocks.h), whose pairs were found at one moment; when something near it has moved against it by more than
+// the margin since then, its pairs are found anew, and those of no other block. The same bound tells which
+// pairs of a block can't be near at the moment.
 
 #ifndef PERCALE_CANDIDATES_H
 #define PERCALE_CANDIDATES_H
 
+#include "detect/blocks.h"
 #include "detect/collect.h"
 #include "model/model.h"
 
@@ -19,11 +20,14 @@
 // substep.
 static const float CONTACT_REACH = 1.5f;
 
-/// The pairs of one kind of item, by item.
+/// The pairs of one kind of item: of each block those that were found for its items, by item.
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
     uint32_t *order;                 // [items] along a curve; NULL: as they are
-    PercaleItemPairList pairs;
+    uint32_t first_block, block_count;
+    uint32_t *first_item;       // [block_count + 1] places in the order
+    PercaleItemPairList *pairs; // [block_count]
+    size_t *first_pair;         // [block_count + 1] in a numbering of all
 } PercaleCandidateList;
 
 typedef struct PercaleCandidates {
@@ -32,17 +36,13 @@ typedef struct PercaleCandidates {
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
-    float margin;                // m, beyond the reach
-    float thickest;              // cloth, m
-    f32x4 *reference;            // [point_count] where all points were
-    bool known;                  // the lists hold pairs of `reference`
-    uint32_t block_size;         // slots
-    struct PercaleBlock *blocks; // [cloth_blocks, then one for each obstacle]
-    uint32_t cloth_blocks;
-    uint32_t *halo_first; // [cloth_blocks + 1] into halo
-    uint32_t *halo;       // slots of other blocks that have an edge with one of the block
-    float *moved;         // [(1 + obstacle_count) * cloth_blocks] how far what is near the block, cloth or an
-                          // obstacle, has moved against it since the reference, at most, m
+    float margin;           // m, beyond the reach, at least
+    float *margins;         // [blocks.count] m, of each block
+    uint32_t *ages;         // [blocks.count] how often its pairs have been kept since they were found
+    float thickest;         // cloth, m
+    PercaleBlocks blocks;   // of the cloth's slots, of each obstacle's vertices, of its edges
+    bool known;             // pairs have been found
+    PercaleBlockList spent; // those whose pairs were found anew when the candidates were last asked for
 } PercaleCandidates;
 
 /// False without memory.
@@ -50,15 +50,26 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
                                bool edges, bool obstacles, PercaleMemory *memory);
 void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory);
 
-/// Whether no two points near each other on these ways have moved against each other by more than `slack`, m,
-/// since the lists were made: then those that are in no list are farther apart than margin + reach - slack.
-bool percale_candidates_hold(PercaleCandidates *candidates, const f32x4 *from, const f32x4 *to, float slack,
-                             PercaleTeam *team);
+/// What candidates are needed for, and what is needed to find them.
+typedef struct PercaleCandidateStage {
+    const f32x4 *from, *to; // ways of the points, on which nothing may be missed
+    float spare;            // m; beyond the margin that may be spent: nothing needs to be known within it
+    bool all_near;          // pairs whose ways come near each other, even if they don't end so
+    PercaleCollectors *collectors;
+    PercaleMemory *memory;
+    PercaleTeam *team;
+} PercaleCandidateStage;
 
-/// Finds them anew. `places`: positions on whose ways nothing may be missed; the last is the reference.
-bool percale_candidates_find(PercaleCandidates *candidates, const f32x4 *const *places, int place_count,
-                             PercaleCollectors *collectors, PercaleMemory *memory, PercaleTeam *team,
+/// Finds those pairs anew that may not be all any longer. False without memory. Those that are in no list are
+/// farther apart than their reach less the spare.
+bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandidateStage *stage,
                              uint64_t *tested);
+
+/// How many pairs a list has.
+static inline size_t percale_candidate_count(const PercaleCandidateList *list)
+{
+    return list->first_pair != NULL ? list->first_pair[list->block_count] : 0;
+}
 
 /// What a list's items are asked against, on the way from the model's position to its predicted one.
 PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates, uint32_t list);
@@ -74,29 +85,32 @@ bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t po
 /// The smallest reach of any pair, m.
 float percale_candidates_least_reach(const PercaleCandidates *candidates);
 
-/// The pairs [first, end) of one item.
-typedef struct PercaleCandidateRun {
-    size_t first, end;
-    uint32_t place; // in the list's order, ascending from run to run
-    uint32_t item;
-} PercaleCandidateRun;
+/// An item that something is near, with its neighbours as the collector's.
+typedef void PercaleVisit(const void *context, PercaleCollector *collector, const PercaleQuery *query,
+                          uint32_t place, uint32_t item);
 
-/// The run that begins at `first` or next after it; first is the list's count when there is none.
-PercaleCandidateRun percale_candidates_run(const PercaleCandidateList *list, size_t first);
+/// What is asked of a list's pairs.
+typedef struct PercaleVisiting {
+    const PercaleCandidates *candidates;
+    uint32_t list;
+    PercaleNeighborhood hood;
+    bool only_passing; // else those within reach, too
+    PercaleVisit *visit;
+    const void *context;
+} PercaleVisiting;
 
-/// That of the item at this place; empty when there is none.
-PercaleCandidateRun percale_candidates_run_at(const PercaleCandidateList *list, uint32_t place);
+/// Visits the items whose first pair is in the range, by place in the list's order.
+void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
+                              uint64_t end);
 
-/// Those pairs of a run that can be within `reach` of each other now, as the collector's `touched`. False
-/// without memory.
-bool percale_candidates_select(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
-                               float reach, PercaleCollector *collector);
+/// Visits the item at this place of the list's order, if it has pairs.
+void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleCollector *collector,
+                                    uint32_t place);
 
-/// The neighbours of a run's item, which is the query, as the collector's; it is no longer complete without
-/// memory.
-void percale_candidates_ask(const PercaleCandidates *candidates, uint32_t list, PercaleCandidateRun run,
-                            const PercaleNeighborhood *hood, const PercaleQuery *query,
-                            PercaleCollector *collector);
+/// Those pairs of one item, all of them of one block, that can be within `reach` of each other now, as the
+/// collector's `touched`. False without memory.
+bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
+                               PercaleCollector *collector);
 
 /// An item of a list, as a query; `edge`: else a vertex.
 PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,

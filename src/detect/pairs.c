@@ -8,16 +8,24 @@
 /// The candidates of one kind of item, and what they are asked.
 typedef struct Kind {
     const PercalePairStage *stage;
-    const PercaleCandidateList *list;
-    uint32_t number; // of the list
-    PercaleNeighborhood hood;
+    PercaleVisiting visiting;
 } Kind;
 
-static void find_item(const Kind *kind, PercaleCollector *collector, uint32_t item)
+/// The stencils of the item at this place of the list.
+static uint64_t source_of(const Kind *kind, uint32_t place)
 {
+    uint64_t group = kind->stage->model->obstacle_count + kind->visiting.list; // after the contacts'
+    return group << 32 | place;
+}
+
+static void find_item(const void *context, PercaleCollector *collector, const PercaleQuery *query,
+                      uint32_t place, uint32_t item)
+{
+    const Kind *kind = context;
     const PercalePairStage *stage = kind->stage;
-    const PercaleModelSurface *mesh = kind->list->mesh;
-    bool edges = kind->hood.arity == 2;
+    const PercaleModelSurface *mesh = stage->candidates->lists[kind->visiting.list].mesh;
+    bool edges = kind->visiting.hood.arity == 2;
+    collector->source = source_of(kind, place);
     if (mesh == &stage->model->cloth && edges) {
         percale_pair_find_edge(stage, collector, item);
     } else if (mesh == &stage->model->cloth) {
@@ -25,36 +33,14 @@ static void find_item(const Kind *kind, PercaleCollector *collector, uint32_t it
     } else if (edges) {
         percale_pair_find_obstacle_edge(stage, collector, mesh, item);
     } else {
-        percale_pair_find_obstacle_vertex(stage, collector, mesh, mesh->first_point + item);
+        percale_pair_find_obstacle_vertex(stage, collector, mesh, query->points[0]);
     }
 }
 
-/// The stencils of the item at this place of the list.
-static uint64_t source_of(const Kind *kind, uint32_t place)
-{
-    uint64_t group = kind->stage->model->obstacle_count + kind->number; // after the contacts'
-    return group << 32 | place;
-}
-
-static void find_run(const Kind *kind, PercaleCollector *collector, PercaleCandidateRun run)
-{
-    PercaleQuery query =
-        percale_candidate_query(kind->stage->candidates, kind->list->mesh, kind->hood.arity == 2, run.item);
-    percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
-    if (collector->complete && collector->neighbors.count > 0) {
-        collector->source = source_of(kind, run.place);
-        find_item(kind, collector, run.item);
-    }
-}
-
-/// The items whose first pair is in the range.
 static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
     const Kind *kind = context;
-    PercaleCandidateRun run = percale_candidates_run(kind->list, first);
-    for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
-        find_run(kind, collector, run);
-    }
+    percale_candidates_visit(&kind->visiting, collector, first, end);
 }
 
 /// Those of some sources, as far as they are in this list. Items: sources.
@@ -63,9 +49,8 @@ static void find_sources(const void *context, PercaleCollector *collector, uint6
     const Kind *kind = context;
     const uint64_t *sources = kind->stage->only->items;
     for (uint64_t i = first; collector->complete && i < end; i++) {
-        PercaleCandidateRun run = percale_candidates_run_at(kind->list, (uint32_t)sources[i]);
-        if (sources[i] == source_of(kind, (uint32_t)sources[i]) && run.first < run.end) {
-            find_run(kind, collector, run);
+        if (sources[i] == source_of(kind, (uint32_t)sources[i])) {
+            percale_candidates_visit_place(&kind->visiting, collector, (uint32_t)sources[i]);
         }
     }
 }
@@ -170,17 +155,19 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
     PercalePairStage stage = *given;
     stage.born.count = given->only != NULL ? 0 : notes->count; // they stay the first of the notes
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {&stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
-        kind.hood.to = stage.end;
+        Kind kind = {&stage,
+                     {candidates, i, percale_candidates_hood(candidates, i), false, find_item, &kind}};
+        kind.visiting.hood.to = stage.end;
         stage.born.items = notes->items;
-        kind.hood.all_near = stage.later_substeps > 0.0f;
+        kind.visiting.hood.all_near = stage.later_substeps > 0.0f;
         size_t before = stencils->count;
-        complete = stage.only == NULL ? percale_collect(stage.team, kind.list->pairs.count, find_items, &kind,
-                                                        collectors, memory, &to)
-                                      : percale_collect(stage.team, stage.only->count, find_sources, &kind,
-                                                        collectors, memory, &to);
+        complete = stage.only == NULL
+                       ? percale_collect(stage.team, percale_candidate_count(&candidates->lists[i]),
+                                         find_items, &kind, collectors, memory, &to)
+                       : percale_collect(stage.team, stage.only->count, find_sources, &kind, collectors,
+                                         memory, &to);
         counts->candidates += collectors->candidates;
-        *(kind.hood.arity == 2 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
+        *(i % 2 == 1 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
     }
     return complete && sort_notes(notes, memory);
 }

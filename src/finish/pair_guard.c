@@ -18,9 +18,8 @@ static const double KEPT = 0.5;
 /// The candidates of one kind of item.
 typedef struct Kind {
     const PercalePairGuardStage *stage;
-    const PercaleCandidateList *list;
-    uint32_t number; // of the list
-    PercaleNeighborhood hood;
+    const PercaleModelSurface *mesh;
+    PercaleVisiting visiting;
 } Kind;
 
 /// Back to the side that it came from, a little less far than it was.
@@ -37,9 +36,9 @@ static void add_push(PercaleCollector *collector, const uint32_t points[4], cons
 /// Outward normal of an obstacle's vertex or edge at the end of the substep; zero where no face is.
 static Vec3 outward_of(const Kind *kind, uint32_t item)
 {
-    const PercaleModelSurface *mesh = kind->list->mesh;
+    const PercaleModelSurface *mesh = kind->mesh;
     PercaleSurface surface = {mesh, NULL, kind->stage->model->predicted};
-    if (kind->hood.arity == 2) {
+    if (kind->visiting.hood.arity == 2) {
         uint32_t side = mesh->edges.sides[mesh->edges.first_side[item]];
         return percale_surface_normal(&surface, side / 3, (PercaleRegion)(REGION_SIDE_0 + side % 3));
     }
@@ -59,7 +58,7 @@ static Vec3 outward_of(const Kind *kind, uint32_t item)
 /// of a closed one the only way.
 static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePassage *passage)
 {
-    if (kind->list->mesh == &kind->stage->model->cloth) {
+    if (kind->mesh == &kind->stage->model->cloth) {
         return false;
     }
     Vec3 outward = outward_of(kind, item);
@@ -69,18 +68,20 @@ static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePass
 static bool is_free(const Kind *kind, uint32_t item, uint32_t primitive)
 {
     const PercaleNoteList *known = kind->stage->known;
-    return known != NULL && kind->list->mesh == &kind->stage->model->cloth &&
-           percale_pairs_are_free(known, kind->hood.arity == 2, item, primitive);
+    return known != NULL && kind->mesh == &kind->stage->model->cloth &&
+           percale_pairs_are_free(known, kind->visiting.hood.arity == 2, item, primitive);
 }
 
-static void find_passing(const Kind *kind, PercaleCollector *collector, const PercaleQuery *query,
-                         uint32_t item)
+static void find_passing(const void *context, PercaleCollector *collector, const PercaleQuery *query,
+                         uint32_t place, uint32_t item)
 {
+    (void)place;
+    const Kind *kind = context;
     const PercaleModel *model = kind->stage->model;
-    bool edges = kind->hood.arity == 2;
+    bool edges = kind->visiting.hood.arity == 2;
     for (size_t i = 0; i < collector->neighbors.count; i++) {
-        const uint32_t *corners =
-            kind->hood.primitives + (size_t)kind->hood.arity * collector->neighbors.items[i].index;
+        const uint32_t *corners = kind->visiting.hood.primitives +
+                                  (size_t)kind->visiting.hood.arity * collector->neighbors.items[i].index;
         uint32_t points[4] = {query->points[0], edges ? query->points[1] : corners[0], corners[edges ? 0 : 1],
                               corners[edges ? 1 : 2]};
         if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0]) ||
@@ -101,38 +102,32 @@ static void find_passing(const Kind *kind, PercaleCollector *collector, const Pe
     }
 }
 
-/// The items whose first pair is in the range.
 static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
     const Kind *kind = context;
-    PercaleCandidateRun run = percale_candidates_run(kind->list, first);
-    for (; collector->complete && run.first < end; run = percale_candidates_run(kind->list, run.end)) {
-        PercaleQuery query = percale_candidate_query(kind->stage->candidates, kind->list->mesh,
-                                                     kind->hood.arity == 2, run.item);
-        query.reach = 0.0f; // only what it may have passed
-        percale_candidates_ask(kind->stage->candidates, kind->number, run, &kind->hood, &query, collector);
-        if (collector->complete) {
-            find_passing(kind, collector, &query, run.item);
-        }
-    }
+    percale_candidates_visit(&kind->visiting, collector, first, end);
 }
 
 /// All passages from the start to where the points are now.
 static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
 {
-    const PercaleModel *model = stage->model;
     PercaleCandidates *candidates = stage->candidates;
-    const f32x4 *places[2] = {model->position, model->predicted};
-    float slack = candidates->margin + percale_candidates_least_reach(candidates);
-    bool complete = percale_candidates_hold(candidates, places[0], places[1], slack, stage->team) ||
-                    percale_candidates_find(candidates, places, 2, stage->collectors, stage->memory,
-                                            stage->team, &counts->candidates);
+    PercaleCandidateStage needed = {.from = stage->model->position,
+                                    .to = stage->model->predicted,
+                                    .spare = percale_candidates_least_reach(candidates),
+                                    .collectors = stage->collectors,
+                                    .memory = stage->memory,
+                                    .team = stage->team};
+    bool complete = percale_candidates_keep(candidates, &needed, &counts->candidates);
     stage->passing->count = 0;
     PercaleCollected to = {.stencils = stage->passing};
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {stage, &candidates->lists[i], i, percale_candidates_hood(candidates, i)};
-        complete = percale_collect(stage->team, kind.list->pairs.count, find_items, &kind, stage->collectors,
-                                   stage->memory, &to);
+        const PercaleCandidateList *list = &candidates->lists[i];
+        Kind kind = {stage,
+                     list->mesh,
+                     {candidates, i, percale_candidates_hood(candidates, i), true, find_passing, &kind}};
+        complete = percale_collect(stage->team, percale_candidate_count(list), find_items, &kind,
+                                   stage->collectors, stage->memory, &to);
         counts->candidates += stage->collectors->candidates;
     }
     return complete;

@@ -1,0 +1,219 @@
+#include "detect/candidate_search.h"
+
+#include <string.h>
+
+/// The items of one list, to be asked for.
+typedef struct Search {
+    const PercaleCandidates *candidates;
+    const PercaleCandidateList *list;
+    PercaleNeighborhood hood;
+    const PercaleTree *tree;
+    const uint32_t *spent; // blocks of the list
+} Search;
+
+/// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
+typedef struct Group {
+    uint32_t first, count; // places in the list's order
+    PercaleQuery queries[TREE_WIDTH];
+    f32x4 low[TREE_WIDTH], high[TREE_WIDTH];
+    f32x4 least, most; // around all
+} Group;
+
+static void add_query(const Search *search, Group *group, uint32_t item, float margin)
+{
+    uint32_t k = group->count++;
+    PercaleQuery *query = &group->queries[k];
+    const PercaleCandidates *candidates = search->candidates;
+    *query = percale_candidate_query(candidates, search->list->mesh, search->tree->arity == 2, item);
+    query->reach += margin;
+    const uint32_t *points = query->points;
+    const f32x4 *from = search->hood.from;
+    const f32x4 *to = search->hood.to;
+    f32x4 low = min4(min4(from[points[0]], from[points[1]]), min4(to[points[0]], to[points[1]]));
+    f32x4 high = max4(max4(from[points[0]], from[points[1]]), max4(to[points[0]], to[points[1]]));
+    for (int axis = 0; axis < 3; axis++) {
+        float slack = query->reach + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
+        low[axis] -= slack;
+        high[axis] += slack;
+    }
+    group->low[k] = low;
+    group->high[k] = high;
+    group->least = k == 0 ? low : min4(group->least, low);
+    group->most = k == 0 ? high : max4(group->most, high);
+}
+
+/// Whether a primitive has one of the query's points: then the two are no pair.
+static inline bool is_own(const Search *search, const PercaleQuery *query, uint32_t primitive)
+{
+    const uint32_t *corners = search->hood.primitives + (size_t)search->hood.arity * primitive;
+    bool own = false;
+    for (uint32_t k = 0; k < search->hood.arity; k++) {
+        own = own || corners[k] == query->points[0] || corners[k] == query->points[1];
+    }
+    return own;
+}
+
+/// Primitives whose boxes the query's touches; of the cloth's edges, those after it.
+static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
+{
+    const PercaleTree *tree = search->tree;
+    PercaleItemPairList *touched = &collector->touched;
+    bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
+    uint32_t first = only_later ? group->first + k + 1 : 0; // the cloth's are in their own order
+    size_t most = TREE_WIDTH * collector->nodes.count;
+    touched->count = 0;
+    if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, most,
+                                sizeof(touched->items[0]))) {
+        return false;
+    }
+    for (size_t i = 0; i < collector->nodes.count; i++) {
+        uint32_t node = collector->nodes.items[i];
+        uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], group->low[k], group->high[k]));
+        for (; bits != 0; bits &= bits - 1) {
+            uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
+            if (primitive >= first && !is_own(search, &group->queries[k], primitive)) {
+                touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive, 0.0f};
+            }
+        }
+    }
+    return true;
+}
+
+static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t primitive)
+{
+    const PercaleModel *model = search->candidates->model;
+    uint32_t arity = search->hood.arity;
+    return search->list->mesh == &model->cloth &&
+           percale_candidates_are_sewn(model, query->points,
+                                       search->hood.primitives + (size_t)arity * primitive, arity);
+}
+
+/// Keeps the neighbours of an item, ascending.
+static void keep_neighbors(const Search *search, const PercaleQuery *query, PercaleCollector *collector,
+                           uint32_t place)
+{
+    PercaleNeighborList *found = &collector->neighbors;
+    for (size_t i = 1; i < found->count; i++) {
+        PercaleNeighbor neighbor = found->items[i];
+        size_t at = i;
+        for (; at > 0 && found->items[at - 1].index > neighbor.index; at--) {
+            found->items[at] = found->items[at - 1];
+        }
+        found->items[at] = neighbor;
+    }
+    for (size_t i = 0; i < found->count; i++) {
+        if (!are_sewn(search, query, found->items[i].index)) {
+            percale_collect_pair(collector,
+                                 (PercaleItemPair){place, found->items[i].index, found->items[i].distance});
+        }
+    }
+}
+
+/// Finds the pairs of some items, of one block.
+static bool find_group(const Search *search, PercaleCollector *collector, uint32_t first, uint32_t end,
+                       float margin)
+{
+    const uint32_t *order = search->list->order;
+    Group group = {.first = first};
+    for (uint32_t place = first; place < end; place++) {
+        add_query(search, &group, order != NULL ? order[place] : place, margin);
+    }
+    bool complete =
+        percale_tree_overlap(search->tree, group.least, group.most, &collector->memory, &collector->nodes);
+    for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
+        collector->neighbors.count = 0;
+        complete =
+            list_touched(search, &group, k, collector) &&
+            percale_neighbors_find(&search->hood, &group.queries[k], collector->touched.items,
+                                   collector->touched.count, &collector->memory, &collector->neighbors);
+        collector->candidates += collector->touched.count;
+        if (complete) {
+            keep_neighbors(search, &group.queries[k], collector, first + k);
+        }
+    }
+    return complete;
+}
+
+/// Finds the pairs of a block's items.
+static bool find_block(const Search *search, PercaleCollector *collector, uint32_t b)
+{
+    const PercaleCandidateList *list = search->list;
+    PercaleItemPairList *pairs = &list->pairs[b];
+    uint32_t end = list->first_item[b + 1];
+    float margin = search->candidates->margins[list->first_block + b];
+    bool complete = true;
+    collector->pairs.count = 0;
+    for (uint32_t i = list->first_item[b]; complete && i < end; i += TREE_WIDTH) {
+        complete = find_group(search, collector, i, i + TREE_WIDTH < end ? i + TREE_WIDTH : end, margin);
+    }
+    size_t count = collector->pairs.count;
+    pairs->count = 0;
+    complete = complete && collector->complete &&
+               percale_memory_reserve(&collector->memory, &pairs->items, &pairs->capacity, count,
+                                      sizeof(pairs->items[0]));
+    if (complete && count > 0) {
+        memcpy(pairs->items, collector->pairs.items, count * sizeof(pairs->items[0]));
+        pairs->count = count;
+    }
+    return complete;
+}
+
+enum { BLOCK_WORK = 64 }; // a block is as much to look for as so many items
+
+/// The blocks whose first of BLOCK_WORK is in the range.
+static void find_blocks(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
+{
+    const Search *search = context;
+    uint64_t block = (first + BLOCK_WORK - 1) / BLOCK_WORK;
+    for (; collector->complete && block * BLOCK_WORK < end; block++) {
+        collector->complete = find_block(search, collector, search->spent[block] - search->list->first_block);
+    }
+}
+
+/// The spent blocks of a list.
+static uint32_t spent_of(const PercaleCandidates *candidates, const PercaleCandidateList *list,
+                         const uint32_t **spent)
+{
+    uint32_t first = 0;
+    while (first < candidates->spent.count && candidates->spent.blocks[first] < list->first_block) {
+        first++;
+    }
+    uint32_t end = first;
+    while (end < candidates->spent.count &&
+           candidates->spent.blocks[end] < list->first_block + list->block_count) {
+        end++;
+    }
+    *spent = candidates->spent.blocks + first;
+    return end - first;
+}
+
+bool percale_candidates_search(PercaleCandidates *candidates, const PercaleCandidateStage *stage,
+                               uint64_t *tested)
+{
+    const PercaleModelSurface *cloth = &candidates->model->cloth;
+    const uint32_t *primitives[2] = {cloth->triangles, cloth->edges.vertices[0]};
+    PercaleTree *trees[2] = {&candidates->faces, &candidates->edges};
+    const f32x4 *places[2] = {stage->from, stage->to};
+    bool complete = true;
+    for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
+        uint32_t kind = i % 2;
+        PercaleCandidateList *list = &candidates->lists[i];
+        if (trees[kind]->nodes == NULL) {
+            continue;
+        }
+        if (i < 2) {
+            percale_tree_refit_swept(trees[kind], primitives[kind], places, 2, stage->team);
+        }
+        Search search = {
+            candidates,
+            list,
+            {primitives[kind], trees[kind]->arity, stage->from, stage->to, stage->all_near, true},
+            trees[kind],
+            NULL};
+        uint64_t count = spent_of(candidates, list, &search.spent);
+        complete = percale_collect(stage->team, count * BLOCK_WORK, find_blocks, &search, stage->collectors,
+                                   stage->memory, &(PercaleCollected){0});
+        *tested += stage->collectors->candidates;
+    }
+    return complete;
+}

@@ -1,0 +1,192 @@
+// Laws of blocks of points: what they say that points have moved against each other since a moment is never
+// less than the truth, and nothing where all move alike.
+
+#include "detect/blocks.h"
+#include "testing.h"
+
+#include <string.h>
+
+enum { BLOCKS = 12, CLOTH_BLOCKS = 9, BLOCK_POINTS = 10, POINTS = BLOCKS * BLOCK_POINTS, STEPS = 300 };
+static const float REACH = 0.05f; // m
+
+/// Blocks of points that move at random, and where the points were when each block's moment began.
+typedef struct Swarm {
+    PercaleMemory memory;
+    PercaleAllocator allocator;
+    PercaleBlocks blocks;
+    f32x4 from[POINTS], to[POINTS];
+    f32x4 then[BLOCKS][POINTS];
+    uint64_t seed;
+} Swarm;
+
+static float around_zero(Swarm *swarm)
+{
+    return (float)(2.0 * percale_test_random(&swarm->seed) - 1.0);
+}
+
+/// Blocks along a row, each with two points of the next one.
+static void open_swarm(Swarm *swarm)
+{
+    *swarm = (Swarm){.allocator = percale_allocator_default(), .seed = 5};
+    swarm->memory = (PercaleMemory){&swarm->allocator, 0};
+    for (uint32_t i = 0; i < POINTS; i++) {
+        float along = 0.1f * (float)(i / BLOCK_POINTS);
+        swarm->to[i] = (f32x4){along + 0.1f * around_zero(swarm), 0.1f * around_zero(swarm), 0.0f, 0.0f};
+        swarm->from[i] = swarm->to[i];
+    }
+    PercaleBlockLister lister = {.last = percale_memory_new(&swarm->memory, POINTS, sizeof(uint32_t))};
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        ck_assert(percale_blocks_open(&lister, &swarm->memory));
+        for (uint32_t i = 0; i < BLOCK_POINTS + 2; i++) {
+            uint32_t point = (b * BLOCK_POINTS + i) % POINTS;
+            ck_assert(percale_blocks_add(&lister, point, &swarm->memory));
+            ck_assert(percale_blocks_add(&lister, point, &swarm->memory)); // it has that
+        }
+    }
+    ck_assert_uint_eq(lister.point_count, BLOCKS * (BLOCK_POINTS + 2));
+    ck_assert(percale_blocks_create(&swarm->blocks, &lister, CLOTH_BLOCKS, swarm->to, &swarm->memory));
+    percale_memory_free(&swarm->memory, lister.last);
+}
+
+static void close_swarm(Swarm *swarm)
+{
+    percale_blocks_free(&swarm->blocks, &swarm->memory);
+    ck_assert_uint_eq(swarm->memory.bytes, 0);
+}
+
+/// The listed blocks begin the newest moment.
+static void begin(Swarm *swarm, uint32_t *listed, uint32_t count, float most)
+{
+    PercaleBlockList list = {listed, count};
+    percale_blocks_begin(&swarm->blocks, &list, swarm->from, swarm->to, most, REACH, percale_team_alone());
+    for (uint32_t i = 0; i < count; i++) {
+        memcpy(swarm->then[listed[i]], swarm->to, sizeof(swarm->to));
+    }
+}
+
+static void look(Swarm *swarm)
+{
+    percale_blocks_measure(&swarm->blocks, swarm->from, swarm->to, percale_team_alone());
+    percale_blocks_compare(&swarm->blocks, 0, BLOCKS, REACH, percale_team_alone());
+}
+
+/// How far points of two blocks have moved against each other since the first one's moment.
+static float moved_against(const Swarm *swarm, uint32_t a, uint32_t b)
+{
+    const PercaleBlocks *blocks = &swarm->blocks;
+    float most = 0.0f;
+    for (uint32_t i = blocks->first[a]; i < blocks->first[a + 1]; i++) {
+        for (uint32_t k = blocks->first[b]; k < blocks->first[b + 1]; k++) {
+            uint32_t p = blocks->points[i];
+            uint32_t q = blocks->points[k];
+            f32x4 apart = swarm->then[a][p] - swarm->then[a][q];
+            most = fmaxf(most, length3(swarm->from[p] - swarm->from[q] - apart));
+            most = fmaxf(most, length3(swarm->to[p] - swarm->to[q] - apart));
+        }
+    }
+    return most;
+}
+
+static bool are_near(const Swarm *swarm, uint32_t a, uint32_t b)
+{
+    const PercaleBlock *blocks = swarm->blocks.items;
+    f32x4 apart = max4(blocks[a].low - blocks[b].high, blocks[b].low - blocks[a].high);
+    return fmaxf(apart[0], fmaxf(apart[1], apart[2])) <= REACH;
+}
+
+/// Each block has a motion of its own, turns, and trembles.
+static void move(Swarm *swarm, int step)
+{
+    memcpy(swarm->from, swarm->to, sizeof(swarm->to));
+    for (uint32_t i = 0; i < POINTS; i++) {
+        uint32_t b = i / BLOCK_POINTS;
+        float turn = 0.002f * (float)(b % 3);
+        f32x4 x = swarm->from[i];
+        float sway = (step / 20 + (int)b) % 2 == 0 ? 0.001f : -0.001f;
+        swarm->to[i] += (f32x4){sway - turn * x[1], turn * (x[0] - 0.1f * (float)b) - 0.05f,
+                                0.0005f * around_zero(swarm), 0.0f};
+    }
+}
+
+/// Moments begin at random, and for all whose moment is forgotten; anchors are seldom or often new.
+START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
+{
+    Swarm swarm;
+    open_swarm(&swarm);
+    uint32_t all[BLOCKS];
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        all[b] = b;
+    }
+    look(&swarm);
+    begin(&swarm, all, BLOCKS, 0.0f);
+    uint32_t near_count = 0;
+    double share = 0.0;
+    for (int step = 0; step < STEPS; step++) {
+        move(&swarm, step);
+        look(&swarm);
+        uint32_t listed[BLOCKS];
+        uint32_t count = 0;
+        for (uint32_t a = 0; a < BLOCKS; a++) {
+            float truth = 0.0f;
+            for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
+                truth = are_near(&swarm, a, b) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
+                near_count += are_near(&swarm, a, b);
+            }
+            float said = swarm.blocks.items[a].moved;
+            ck_assert_msg(said >= truth, "step %d, block %u: %g of %g m", step, a, (double)said,
+                          (double)truth);
+            share += (double)(truth / fmaxf(said, 1e-9f)) / (BLOCKS * STEPS);
+            if (swarm.blocks.items[a].moment == percale_blocks_oldest(&swarm.blocks) ||
+                percale_test_random(&swarm.seed) < 0.05) {
+                listed[count++] = a;
+            }
+        }
+        begin(&swarm, listed, count, step % 100 < 50 ? 0.002f : 1.0f);
+        for (uint32_t i = 0; i < count; i++) { // what they have moved is found anew: on this way
+            float truth = 0.0f;
+            for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
+                uint32_t a = listed[i];
+                truth = are_near(&swarm, a, b) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
+            }
+            ck_assert(swarm.blocks.items[listed[i]].moved >= truth);
+        }
+    }
+    ck_assert_uint_gt(near_count, 2 * BLOCKS * STEPS);
+    ck_assert_msg(share > 0.3, "%g", share); // nor is it much less
+    close_swarm(&swarm);
+}
+END_TEST
+
+START_TEST(what_moves_alike_has_not_moved)
+{
+    Swarm swarm;
+    open_swarm(&swarm);
+    uint32_t all[BLOCKS];
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        all[b] = b;
+    }
+    look(&swarm);
+    begin(&swarm, all, BLOCKS, 0.0f);
+    for (int step = 0; step < 10; step++) {
+        memcpy(swarm.from, swarm.to, sizeof(swarm.to));
+        for (uint32_t i = 0; i < POINTS; i++) {
+            swarm.to[i] += (f32x4){1.0f, -0.5f, 0.25f, 0.0f};
+        }
+        look(&swarm);
+        for (uint32_t b = 0; b < BLOCKS; b++) {
+            ck_assert(swarm.blocks.items[b].moved < 1e-3f); // a ten-thousandth of the way, for rounding
+        }
+    }
+    close_swarm(&swarm);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("blocks");
+    TCase *blocks = tcase_create("blocks");
+    tcase_add_test(blocks, what_blocks_have_moved_is_never_more_than_they_say);
+    tcase_add_test(blocks, what_moves_alike_has_not_moved);
+    suite_add_tcase(suite, blocks);
+    return percale_test_run(suite);
+}
