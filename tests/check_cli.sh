@@ -210,7 +210,7 @@ for word in scenes run audit untangle --error-below --resume --capsule --picture
     grep -qe "$word" "$said.out" || complain "--help does not name $word"
 done
 accept scenes
-for word in drape dress; do
+for word in drape dress layers; do
     grep -qE "^$word +[^ ]" "$said.out" || complain "scenes does not list $word"
 done
 accept scenes drape

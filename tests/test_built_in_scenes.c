@@ -1,9 +1,7 @@
 // Laws of the built-in scenes with dense contact (funnel, twist, cards) and of incline: they start as they
 // should, and what their names promise happens.
 
-#include "percale/scene.h"
-#include "scene/scene_model.h"
-#include "testing.h"
+#include "scene_play.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,81 +11,6 @@ static const char *const NAMES[] = {"funnel", "twist", "cards", "incline"};
 enum { NAME_COUNT = sizeof NAMES / sizeof NAMES[0] };
 
 static const double PI = 3.14159265358979323846;
-
-/// A scene that is open, and its solver once it is built.
-typedef struct Play {
-    PercaleScene *scene;
-    PercaleSolver *solver;
-    uint32_t frame;
-} Play;
-
-static Play open_play(const char *name, uint64_t size)
-{
-    PercaleSceneError error = {""};
-    Play play = {percale_scene_open(name, size, &error), NULL, 0};
-    ck_assert_msg(play.scene != NULL, "%s", error.text);
-    return play;
-}
-
-static void set(Play *play, const char *key, const char *value)
-{
-    PercaleSceneError error = {""};
-    ck_assert_msg(percale_scene_set(play->scene, key, value, &error), "%s", error.text);
-}
-
-static void build(Play *play, int thread_count)
-{
-    PercaleSceneError error = {""};
-    play->solver = percale_scene_build(play->scene, thread_count, &error);
-    ck_assert_msg(play->solver != NULL, "%s", error.text);
-}
-
-static void run_frame(Play *play)
-{
-    PercaleSceneError error = {""};
-    const double seconds = 1.0 / percale_scene_frame_rate(play->scene);
-    ck_assert_msg(percale_scene_move(play->scene, play->solver, ++play->frame, &error), "%s", error.text);
-    PERCALE_TEST_OK(play->solver, percale_solver_step(play->solver, seconds));
-}
-
-static void run_frames(Play *play, uint32_t count)
-{
-    for (uint32_t k = 0; k < count; ++k) {
-        run_frame(play);
-    }
-}
-
-static void close_play(Play *play)
-{
-    percale_solver_destroy(play->solver);
-    percale_scene_close(play->scene);
-}
-
-static PercaleQuality judge(const Play *play)
-{
-    PercaleQuality quality;
-    PERCALE_TEST_OK(play->solver, percale_solver_quality(play->solver, &quality));
-    return quality;
-}
-
-static uint32_t count_vertices(const Play *play)
-{
-    uint32_t count = 0;
-    for (uint32_t k = 0; k < percale_scene_cloth_count(play->scene); ++k) {
-        count += percale_scene_cloth(play->scene, k).vertex_count;
-    }
-    return count;
-}
-
-/// Where a cloth is now; the caller's to free.
-static float *positions_of(const Play *play, uint32_t cloth)
-{
-    const PercaleSceneObject object = percale_scene_cloth(play->scene, cloth);
-    float *positions = calloc(3 * (size_t)object.vertex_count, sizeof *positions);
-    ck_assert_ptr_nonnull(positions);
-    PERCALE_TEST_OK(play->solver, percale_cloth_get_positions(play->solver, object.cloth, positions, 0));
-    return positions;
-}
 
 // ---- all of them ----
 

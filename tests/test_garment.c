@@ -42,8 +42,7 @@ static void make_both(void)
     PercaleSceneError error = {""};
     mannequin = percale_mannequin_make(0.0, 1.0, &body, &error);
     ck_assert_msg(mannequin != NULL, "%s", error.text);
-    ck_assert_msg(make_dress(DRESS_SIZE, THICKNESS, &dress, &seams, &seam_count, &error), "%s",
-                  error.text);
+    ck_assert_msg(make_dress(DRESS_SIZE, THICKNESS, &dress, &seams, &seam_count, &error), "%s", error.text);
 }
 
 static void free_both(void)
@@ -317,6 +316,26 @@ START_TEST(jump_moves_everything_sideways_within_one_frame)
 }
 END_TEST
 
+START_TEST(walk_at_twice_the_speed_is_where_it_would_be_in_twice_the_time)
+{
+    PercaleMesh mesh;
+    PercaleSceneError error;
+    PercaleMannequin *fast = percale_mannequin_make(0.25, 2.0, &mesh, &error);
+    ck_assert_ptr_nonnull(fast);
+    float *positions = malloc(3 * sizeof *positions * mesh.vertex_count);
+    ck_assert_ptr_nonnull(positions);
+    for (int frame = 0; frame <= 60; frame += 15) { // the jump comes after frame 60 as ever
+        float *later = pose_at(2 * frame / 60.0);
+        percale_mannequin_pose(fast, frame / 60.0, positions);
+        ck_assert_double_lt(largest_shift(positions, later), 1e-6);
+        free(later);
+    }
+    free(positions);
+    percale_mannequin_free(fast);
+    percale_mesh_free(&mesh);
+}
+END_TEST
+
 START_TEST(skin_never_crosses_itself)
 {
     const int per_stride = small_mode() ? 3 : 6;
@@ -567,6 +586,8 @@ START_TEST(bad_wishes_are_refused_by_name)
     ck_assert_ptr_null(pairs);
     ck_assert_ptr_null(percale_mannequin_make(HUGE_VAL, 1.0, &mesh, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "jump"));
+    ck_assert_ptr_null(percale_mannequin_make(0.0, NAN, &mesh, &error));
+    ck_assert_ptr_nonnull(strstr(error.text, "speed"));
 }
 END_TEST
 
@@ -583,6 +604,7 @@ int main(void)
     tcase_add_test(figure, walk_repeats_for_ever);
     tcase_add_test(figure, walk_is_faster_than_1_m_per_s_and_never_jerks);
     tcase_add_test(figure, jump_moves_everything_sideways_within_one_frame);
+    tcase_add_test(figure, walk_at_twice_the_speed_is_where_it_would_be_in_twice_the_time);
     tcase_add_test(figure, skin_never_crosses_itself);
     tcase_add_test(figure, limbs_keep_20_mm_from_each_other_and_from_the_trunk);
     suite_add_tcase(suite, figure);

@@ -212,7 +212,7 @@ START_TEST(scenes_that_are_not_there_are_refused)
         uint64_t size;
         const char *reason;
     } BAD[] = {{"drap", 0, "\"drape\""},
-               {"layers", 0, "not in this version"},
+               {"layer", 0, "\"layers\""},
                {"cantilever", 0, "not in this version"},
                {"no/such/scene.json", 0, "no/such/scene.json"},
                {"drape", 200000000, "too large"}};
