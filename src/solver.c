@@ -131,7 +131,6 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
         const char *name;
     } MISSING[] = {
         {def->untangle != 0, "untangling"},
-        {def->ccd == PERCALE_CCD_EXACT, "ccd=exact"},
         {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
     };
     for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
@@ -358,7 +357,7 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     if (!complete) {
         return percale_fail_memory(&solver->error);
     }
-    bool cast = solver->def.vertex_face && solver->def.ccd != PERCALE_CCD_OFF && model->obstacle_count > 0;
+    bool cast = solver->def.vertex_face && solver->def.ccd == PERCALE_CCD_RAY && model->obstacle_count > 0;
     return cast ? percale_rays_create(&solver->rays, &solver->objects, memory, &solver->error) : PERCALE_OK;
 }
 

@@ -36,7 +36,7 @@ struct PercaleSolver {
     PercaleProximity *proximities;               // [obstacle_count]
     PercaleFrame *frames;                        // [obstacle_count] of the running substep
     PercaleCrossing **crossings;                 // [obstacle_count] arrays in the arena; NULL without CCD
-    PercaleRays *rays;                           // NULL without CCD or obstacles
+    PercaleRays *rays;                           // NULL without ccd=ray or obstacles
     PercaleCandidates candidates;                // without self_collision and edge_edge there are none
     PercaleNoteList notes[2];                    // of the last pass, and those that are being written
     PercaleStencilList stencils, known_stencils; // the latter of the last pass but one

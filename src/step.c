@@ -600,6 +600,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .proximities = solver->proximities,
                                    .obstacles = solver->def.vertex_face != 0,
                                    .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
+                                   .exact = solver->def.ccd == PERCALE_CCD_EXACT,
                                    .dt = substep->dt,
                                    .collectors = &solver->collectors,
                                    .passing = &solver->passing,

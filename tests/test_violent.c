@@ -103,6 +103,7 @@ static PercaleSolver *throw_sheets(uint64_t *seed, int *frames)
     def.substeps = preset[0];
     def.iterations = preset[1];
     def.self_collision = def.edge_edge = 1;
+    def.ccd = PERCALE_CCD_EXACT;
     PercaleSolver *solver = percale_test_solver(def);
     int count = (int)between(seed, 2.0, 1.0 + SHEETS_MOST);
     double vertices = between(seed, vertices_least, vertices_most);

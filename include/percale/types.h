@@ -62,7 +62,7 @@ typedef void PercaleReleaseFunction(void *user, void *memory);
 typedef enum PercaleCcd {
     PERCALE_CCD_OFF = 0,
     PERCALE_CCD_RAY,  ///< vertex paths cast with Embree in the frame of the obstacle
-    PERCALE_CCD_EXACT ///< conservative swept test in double (not in this version)
+    PERCALE_CCD_EXACT ///< no rays, and conservative swept tests in double between cloth and cloth, and edges
 } PercaleCcd;
 
 /// When contact candidates are found anew.

@@ -1,5 +1,7 @@
 #include "detect/paths.h"
 
+#include <string.h>
+
 /// v + 2 w (u x v) + 2 u x (u x v) for the quaternion (u, w); sign = -1 turns back.
 static Vec3 rotate(const double rotation[4], double sign, Vec3 v)
 {
@@ -113,8 +115,12 @@ bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, Perc
         crossings[i] = (PercaleCrossing){NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
     }
     uint32_t count = collect(stage, from, to, index);
-    percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->team);
-    *ray_count += count;
+    if (stage->rays != NULL) {
+        percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->team);
+        *ray_count += count;
+    } else {
+        memset(flags, 1, count);
+    }
     Search search = {stage, flags, index, crossings};
     percale_team_for(stage->team, count, GRAIN_PATHS, search_range, &search);
     return true;

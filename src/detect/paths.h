@@ -4,7 +4,8 @@
 //   out  for each active vertex the first crossing from the front, at the end pose
 //
 // A path is taken in the frame of the obstacle: the start point moves along, rigidly or with the nearest
-// triangle. Embree flags paths (ccd=ray); the crossing itself is decided by our own exact search.
+// triangle. Embree flags paths (ccd=ray), or all are (ccd=exact); the crossing itself is decided by our own
+// search in double.
 
 #ifndef PERCALE_PATHS_H
 #define PERCALE_PATHS_H
@@ -32,7 +33,7 @@ typedef struct PercalePathStage {
     const PercaleProximity *proximity;
     const PercaleSurface *surface; // end pose
     const PercaleFrame *frame;
-    const PercaleRays *rays;
+    const PercaleRays *rays; // NULL: every path is searched
     uint32_t obstacle_index;
     PercaleTeam *team;
 } PercalePathStage;

@@ -1,13 +1,15 @@
 #include "finish/pair_guard.h"
 
+#include "detect/impact_time.h"
 #include "detect/passage.h"
+#include "percale/geometry.h"
 
 #include <string.h>
 
 enum {
     PUSHES = 8, // rounds in which what has passed is pushed back
     HALVES = 4, // rounds in which it goes half as far, before it doesn't go at all
-    ROUNDS = 32 // then what is left is counted
+    ROUNDS = 32 // before nothing goes at all
 };
 
 // Share of the distance at the start that is left to what has passed: contact widens it again.
@@ -21,6 +23,55 @@ typedef struct Kind {
     const PercaleModelSurface *mesh;
     PercaleVisiting visiting;
 } Kind;
+
+// With exact tests nothing comes nearer than this, m, or a tenth of its distance: the next start is apart,
+// too.
+static const double APART = 1e-6;
+static const double SHARE_APART = 0.1;
+
+static double start_distance(const Vec3 *from, bool edges)
+{
+    double x[4][3];
+    double weights[4];
+    for (int k = 0; k < 4; k++) {
+        x[k][0] = from[k].x;
+        x[k][1] = from[k].y;
+        x[k][2] = from[k].z;
+    }
+    return edges ? percale_edge_edge_closest((const double(*)[3])x, weights)
+                 : percale_vertex_face_closest((const double(*)[3])x, weights);
+}
+
+/// Whether two features may have touched on their ways; of those that overlap at the start, whether they
+/// pass.
+static bool may_touch(const Vec3 *from, const Vec3 *to, bool edges, PercalePassage *passage)
+{
+    PercaleImpact touch;
+    PercaleImpact near;
+    bool (*impact_time)(const Vec3 *, const Vec3 *, double, PercaleImpact *) =
+        edges ? percale_edge_edge_impact_time : percale_vertex_face_impact_time;
+    if (!impact_time(from, to, 0.0, &touch)) {
+        return false;
+    }
+    double apart = fmin(APART, SHARE_APART * start_distance(from, edges));
+    const PercaleImpact *impact = impact_time(from, to, apart, &near) ? &near : &touch;
+    if (!(vdot(impact->normal, impact->normal) > 0.0)) {
+        return edges ? percale_edges_pass(from, to, passage) : percale_vertex_passes(from, to, passage);
+    }
+    passage->time = impact->time;
+    passage->normal = impact->normal;
+    memcpy(passage->weights, impact->weights, sizeof(passage->weights));
+    return true;
+}
+
+static bool has_passed(const PercalePairGuardStage *stage, const Vec3 *from, const Vec3 *to, bool edges,
+                       PercalePassage *passage)
+{
+    if (stage->exact) {
+        return may_touch(from, to, edges, passage);
+    }
+    return edges ? percale_edges_pass(from, to, passage) : percale_vertex_passes(from, to, passage);
+}
 
 /// Back to the side that it came from, a little less far than it was.
 static void add_push(PercaleCollector *collector, const uint32_t points[4], const Vec3 *from,
@@ -95,8 +146,7 @@ static void find_passing(const void *context, PercaleCollector *collector, const
             to[k] = vec3_of(model->predicted[points[k]]);
         }
         PercalePassage passage;
-        if ((edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage)) &&
-            !comes_from_behind(kind, item, &passage)) {
+        if (has_passed(kind->stage, from, to, edges, &passage) && !comes_from_behind(kind, item, &passage)) {
             add_push(collector, points, from, &passage, edges);
         }
     }
@@ -136,11 +186,11 @@ static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCo
 // ---- back ----
 
 /// Moves a point and gives it the velocity that it has so. What is known of its distances shrinks.
-static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 by)
+static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 to)
 {
     PercaleModel *model = stage->model;
-    by = with_w(by, 0.0f);
-    model->predicted[slot] += by;
+    f32x4 by = with_w(to - model->predicted[slot], 0.0f);
+    model->predicted[slot] = with_w(to, model->predicted[slot][3]);
     model->next_velocity[slot] += by / stage->dt;
     for (uint32_t o = 0; stage->obstacles && o < model->obstacle_count; o++) {
         PercaleProximity *proximity = &stage->proximities[o];
@@ -173,7 +223,8 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
     for (int k = 0; k < 4; k++) {
         float share = x[stencil->points[k]][3] * stencil->weights[k];
         if (share != 0.0f) {
-            move_point(stage, stencil->points[k], stencil->normal * (share * depth / weight));
+            move_point(stage, stencil->points[k],
+                       x[stencil->points[k]] + stencil->normal * (share * depth / weight));
         }
     }
 }
@@ -185,8 +236,19 @@ static void hold_back(const PercalePairGuardStage *stage, const PercaleStencil *
     for (int k = 0; k < 4; k++) {
         uint32_t point = stencil->points[k];
         if (model->predicted[point][3] > 0.0f) {
-            f32x4 way = model->predicted[point] - model->position[point];
-            move_point(stage, point, way * (share - 1.0f));
+            f32x4 to = model->position[point] + (model->predicted[point] - model->position[point]) * share;
+            move_point(stage, point, to);
+        }
+    }
+}
+
+/// Nothing goes: then nothing passes but what pins and obstacles force.
+static void stop_all(const PercalePairGuardStage *stage)
+{
+    const PercaleModel *model = stage->model;
+    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
+        if (model->predicted[slot][3] > 0.0f) {
+            move_point(stage, slot, model->position[slot]);
         }
     }
 }
@@ -211,6 +273,7 @@ bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuard
             }
         }
     }
+    stop_all(stage);
     if (!find_passages(stage, counts)) {
         return false;
     }

@@ -6,9 +6,14 @@
 //
 // Whoever has passed is pushed back to the side it came from, by the same stencil that contact uses, so
 // momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, all that
-// still pass go only half their ways, then not at all: a start without crossings is an end without (so do the
-// fail-safes of Harmon 2008, for small groups). Obstacles and pins can't be held back: what they force
-// through is counted. What passes an obstacle's feature from behind is let through, as its vertices are.
+// still pass go only half their ways, then not at all, at last no vertex does: a start without crossings is
+// an end without (so do the fail-safes of Harmon 2008, for small groups). Obstacles and pins can't be held
+// back: what they force through is counted. What passes an obstacle's feature from behind is let through, as
+// its vertices are.
+//
+// Who has passed is asked of a cubic in double, without a bound of its error, and motion in one plane is no
+// passage for it. With `exact` what may have touched at any time has passed (impact_time.h): no rounding and
+// no degenerate motion leads through.
 
 #ifndef PERCALE_PAIR_GUARD_H
 #define PERCALE_PAIR_GUARD_H
@@ -22,6 +27,7 @@ typedef struct PercalePairGuardStage {
     PercaleProximity *proximities; // [obstacle_count] whose clearances what moves here is taken from
     bool obstacles;                // proximities are in use
     const PercaleNoteList *known;  // of the last pass: what was born crossed may pass; NULL: nothing was
+    bool exact;                    // conservative tests: ccd=exact
     float dt;                      // s
     PercaleCollectors *collectors;
     PercaleStencilList *passing; // scratch
