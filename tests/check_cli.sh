@@ -147,7 +147,7 @@ refuse_run 'passes' good.json --set substeps=2 --set iterations=3 --set passes=7
 refuse_run '--error-below' good.json --error-below 1
 refuse_run '--resume' good.json --resume state
 refuse_run '--capsule' good.json --capsule capsule
-for setting in untangle=on ccd=exact; do
+for setting in untangle=on reuse=always; do
     refuse_run "${setting%=*}" good.json --set $setting
 done
 refuse 'untangle' untangle sheet.obj --out out

@@ -147,6 +147,50 @@ START_TEST(a_velocity_that_is_no_number_is_refused_and_nothing_is_changed)
 }
 END_TEST
 
+// ---- the setting of a scene ----
+
+/// Where a vertex of the body goes in the step to a frame.
+static void body_at(PercaleScene *scene, PercaleSolver *solver, uint32_t frame, uint32_t vertex, double x[3])
+{
+    PercaleSceneError error = {""};
+    ck_assert_msg(percale_scene_move(scene, solver, frame, &error), "%s", error.text);
+    for (size_t axis = 0; axis < 3; axis++) {
+        x[axis] = (double)percale_scene_obstacle(scene, 0).positions[3 * (size_t)vertex + axis];
+    }
+}
+
+START_TEST(with_hermite_a_body_has_the_velocity_between_its_neighbouring_frames)
+{
+    enum { MOMENT = 40, VERTEX = 100 };
+    PercaleSceneError error = {""};
+    PercaleScene *scene = percale_scene_open("dress", 1000, &error);
+    ck_assert_msg(scene != NULL, "%s", error.text);
+    PercaleSolver *solver = percale_scene_build(scene, 1, &error);
+    ck_assert_msg(solver != NULL, "%s", error.text);
+    double before[3];
+    double here[3];
+    double after[3];
+    body_at(scene, solver, MOMENT - 1, VERTEX, before);
+    body_at(scene, solver, MOMENT + 1, VERTEX, after);
+    ck_assert_ptr_null(solver->objects.obstacles[0].velocity_to);
+    ck_assert_msg(percale_scene_set(scene, "hermite", "on", &error), "%s", error.text);
+    body_at(scene, solver, MOMENT, VERTEX, here);
+    const PercaleObstacleObject *body = &solver->objects.obstacles[0];
+    ck_assert_ptr_nonnull(body->velocity_to);
+    double moved = 0.0;
+    for (size_t axis = 0; axis < 3; axis++) {
+        double velocity = 0.5 * (after[axis] - before[axis]) * percale_scene_frame_rate(scene);
+        size_t at = 3 * (size_t)VERTEX + axis;
+        ck_assert_double_eq_tol((double)body->velocity_to[at], velocity, 1e-4);
+        ck_assert_double_eq_tol((double)body->to[at], here[axis], 1e-9);
+        moved += fabs(velocity);
+    }
+    ck_assert_double_gt(moved, 0.05);
+    percale_solver_destroy(solver);
+    percale_scene_close(scene);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("obstacle_motion");
@@ -155,6 +199,8 @@ int main(void)
     tcase_add_test(motion, a_step_begins_with_the_velocity_of_the_last);
     tcase_add_test(motion, nothing_is_left_of_velocities_that_are_not_given_again);
     tcase_add_test(motion, a_velocity_that_is_no_number_is_refused_and_nothing_is_changed);
+    tcase_add_test(motion, with_hermite_a_body_has_the_velocity_between_its_neighbouring_frames);
+    tcase_set_timeout(motion, 0);
     suite_add_tcase(suite, motion);
     return percale_test_run(suite);
 }

@@ -84,7 +84,6 @@ START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
 {
     expect_refused("untangle", "on", "untangle=on", "not in this version");
     expect_refused("reuse", "always", "reuse=always", "not in this version");
-    expect_refused("ccd", "exact", "ccd=exact", "not in this version");
     set("self", "off");
     set("ee", "off");
     set("untangle", "off");

@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double jitter = 1e-4;         // m; how far a vertex may start off with a seed
@@ -330,6 +331,25 @@ static bool move_pins(PercaleScene *scene, PercaleSceneItem *cloth, PercaleSolve
     return true;
 }
 
+/// Velocities at a frame from those before and after it: NULL without memory.
+static float *frame_velocities(PercaleScene *scene, PercaleSceneItem *obstacle, const double origin[3],
+                               uint32_t frame)
+{
+    const double rate = percale_scene_frame_rate(scene);
+    const size_t count = 3 * (size_t)obstacle->mesh.vertex_count;
+    float *velocities = malloc(2 * count * sizeof *velocities);
+    if (velocities == NULL) {
+        return NULL;
+    }
+    float *before = velocities + count;
+    percale_motion_pose(&obstacle->motion, frame - 1, rate, &obstacle->transform, origin, before);
+    percale_motion_pose(&obstacle->motion, frame + 1, rate, &obstacle->transform, origin, velocities);
+    for (size_t k = 0; k < count; ++k) {
+        velocities[k] = (velocities[k] - before[k]) * (float)(0.5 * rate);
+    }
+    return velocities;
+}
+
 static bool move_obstacle(PercaleScene *scene, PercaleSceneItem *obstacle, PercaleSolver *solver,
                           uint32_t frame, PercaleSceneError *error)
 {
@@ -338,12 +358,20 @@ static bool move_obstacle(PercaleScene *scene, PercaleSceneItem *obstacle, Perca
         return true;
     }
     percale_scene_origin(scene, origin);
+    float *velocities = NULL;
+    if (percale_settings_switch(&scene->settings, PERCALE_SET_HERMITE)) {
+        velocities = frame_velocities(scene, obstacle, origin, frame);
+        if (velocities == NULL) {
+            return percale_scene_fail(error, "obstacle \"%s\": out of memory", obstacle->mesh.name);
+        }
+    }
     percale_motion_pose(&obstacle->motion, frame, percale_scene_frame_rate(scene), &obstacle->transform,
                         origin, obstacle->mesh.positions);
-    return percale_obstacle_move(solver, obstacle->obstacle, obstacle->mesh.positions, 0, NULL, 0) ==
-               PERCALE_OK ||
-           percale_scene_fail(error, "obstacle \"%s\": %s", obstacle->mesh.name,
-                              percale_solver_last_error(solver));
+    const PercaleResult result =
+        percale_obstacle_move(solver, obstacle->obstacle, obstacle->mesh.positions, 0, velocities, 0);
+    free(velocities);
+    return result == PERCALE_OK || percale_scene_fail(error, "obstacle \"%s\": %s", obstacle->mesh.name,
+                                                      percale_solver_last_error(solver));
 }
 
 bool percale_scene_move(PercaleScene *scene, PercaleSolver *solver, uint32_t frame, PercaleSceneError *error)
