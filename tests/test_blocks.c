@@ -94,13 +94,13 @@ static bool are_near(const Swarm *swarm, uint32_t a, uint32_t b)
     return fmaxf(apart[0], fmaxf(apart[1], apart[2])) <= REACH;
 }
 
-/// Each block has a motion of its own, turns, and trembles.
+/// Each block has a motion of its own, turns to and fro, and trembles.
 static void move(Swarm *swarm, int step)
 {
     memcpy(swarm->from, swarm->to, sizeof(swarm->to));
     for (uint32_t i = 0; i < POINTS; i++) {
         uint32_t b = i / BLOCK_POINTS;
-        float turn = 0.002f * (float)(b % 3);
+        float turn = (step / 10 % 2 == 0 ? 0.02f : -0.02f) * (float)(b % 3);
         f32x4 x = swarm->from[i];
         float sway = (step / 20 + (int)b) % 2 == 0 ? 0.001f : -0.001f;
         swarm->to[i] += (f32x4){sway - turn * x[1], turn * (x[0] - 0.1f * (float)b) - 0.05f,
@@ -121,6 +121,7 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
     begin(&swarm, all, BLOCKS, 0.0f);
     uint32_t near_count = 0;
     double share = 0.0;
+    double moved[2] = {0.0, 0.0}; // of those that begin a moment, before and after
     for (int step = 0; step < STEPS; step++) {
         move(&swarm, step);
         look(&swarm);
@@ -137,8 +138,9 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
                           (double)truth);
             share += (double)(truth / fmaxf(said, 1e-9f)) / (BLOCKS * STEPS);
             if (swarm.blocks.items[a].moment == percale_blocks_oldest(&swarm.blocks) ||
-                percale_test_random(&swarm.seed) < 0.05) {
+                percale_test_random(&swarm.seed) < 0.03) {
                 listed[count++] = a;
+                moved[0] += (double)said;
             }
         }
         begin(&swarm, listed, count, step % 100 < 50 ? 0.002f : 1.0f);
@@ -149,10 +151,12 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
                 truth = are_near(&swarm, a, b) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
             }
             ck_assert(swarm.blocks.items[listed[i]].moved >= truth);
+            moved[1] += (double)swarm.blocks.items[listed[i]].moved;
         }
     }
     ck_assert_uint_gt(near_count, 2 * BLOCKS * STEPS);
-    ck_assert_msg(share > 0.3, "%g", share); // nor is it much less
+    ck_assert_msg(share > 0.2, "%g", share); // nor is it much less
+    ck_assert(moved[1] < 0.7 * moved[0]);
     close_swarm(&swarm);
 }
 END_TEST

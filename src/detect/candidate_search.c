@@ -19,13 +19,13 @@ typedef struct Group {
     f32x4 least, most; // around all
 } Group;
 
-static void add_query(const Search *search, Group *group, uint32_t item, float margin)
+static void add_query(const Search *search, Group *group, uint32_t item)
 {
     uint32_t k = group->count++;
     PercaleQuery *query = &group->queries[k];
     const PercaleCandidates *candidates = search->candidates;
     *query = percale_candidate_query(candidates, search->list->mesh, search->tree->arity == 2, item);
-    query->reach += margin;
+    query->reach += candidates->margin;
     const uint32_t *points = query->points;
     const f32x4 *from = search->hood.from;
     const f32x4 *to = search->hood.to;
@@ -110,13 +110,12 @@ static void keep_neighbors(const Search *search, const PercaleQuery *query, Perc
 }
 
 /// Finds the pairs of some items, of one block.
-static bool find_group(const Search *search, PercaleCollector *collector, uint32_t first, uint32_t end,
-                       float margin)
+static bool find_group(const Search *search, PercaleCollector *collector, uint32_t first, uint32_t end)
 {
     const uint32_t *order = search->list->order;
     Group group = {.first = first};
     for (uint32_t place = first; place < end; place++) {
-        add_query(search, &group, order != NULL ? order[place] : place, margin);
+        add_query(search, &group, order != NULL ? order[place] : place);
     }
     bool complete =
         percale_tree_overlap(search->tree, group.least, group.most, &collector->memory, &collector->nodes);
@@ -140,11 +139,10 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
     const PercaleCandidateList *list = search->list;
     PercaleItemPairList *pairs = &list->pairs[b];
     uint32_t end = list->first_item[b + 1];
-    float margin = search->candidates->margins[list->first_block + b];
     bool complete = true;
     collector->pairs.count = 0;
     for (uint32_t i = list->first_item[b]; complete && i < end; i += TREE_WIDTH) {
-        complete = find_group(search, collector, i, i + TREE_WIDTH < end ? i + TREE_WIDTH : end, margin);
+        complete = find_group(search, collector, i, i + TREE_WIDTH < end ? i + TREE_WIDTH : end);
     }
     size_t count = collector->pairs.count;
     pairs->count = 0;

@@ -6,23 +6,21 @@
 #include <string.h>
 
 // Share of the mean edge by which candidates may be farther apart than in reach: more makes the lists longer,
-// less makes them anew more often. A block whose pairs don't last gets twice as much, one whose pairs last
-// long gets half.
+// less makes them anew more often. (Twice as much for blocks whose pairs don't last saves half of the
+// searches and costs as much in asking.)
 static const float MARGIN = 0.25f;
-static const float MARGIN_MOST = 0.5f;
-enum { SHORT_AGE = 6, LONG_AGE = 60 }; // twice in a substep
 
 // Share of the margin that a block may deviate from its anchors before it gets new ones: more makes blocks
 // that are found anew begin with what those near them have deviated, less adds up what shakes to and fro.
 static const float ANCHORED = 0.125f;
 
 enum {
-    BLOCK_SLOTS = 64,              // at most: where it bends, a larger block deviates more from its centre
+    BLOCK_SLOTS = 32,              // at most: where it bends, a larger block deviates more from its centre
     BLOCK_EDGES = 3 * BLOCK_SLOTS, // of a mesh, which has so many
 };
 
-// Mean edges that a block is wide at most: a square of BLOCK_SLOTS has 8 on a side.
-static const float BLOCK_EDGES_WIDE = 10.0f;
+// Mean edges that a block is wide at most: a square of BLOCK_SLOTS has 6 on a side.
+static const float BLOCK_EDGES_WIDE = 7.0f;
 
 /// Farthest that a surface of this thickness is in reach of a cloth, m.
 static float widest_reach(const PercaleCandidates *candidates, float thickness)
@@ -212,13 +210,7 @@ static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBloc
     complete = complete && percale_blocks_create(&candidates->blocks, lister, lists[0].block_count,
                                                  model->position, memory);
     candidates->spent.blocks = percale_memory_new(memory, candidates->blocks.count, sizeof(uint32_t));
-    candidates->margins = percale_memory_new(memory, candidates->blocks.count, sizeof(float));
-    candidates->ages = percale_memory_new(memory, candidates->blocks.count, sizeof(uint32_t));
-    for (uint32_t b = 0; candidates->margins != NULL && b < candidates->blocks.count; b++) {
-        candidates->margins[b] = candidates->margin;
-    }
-    return complete && candidates->spent.blocks != NULL && candidates->margins != NULL &&
-           candidates->ages != NULL;
+    return complete && candidates->spent.blocks != NULL;
 }
 
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
@@ -259,8 +251,6 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     }
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->spent.blocks);
-    percale_memory_free(memory, candidates->margins);
-    percale_memory_free(memory, candidates->ages);
     percale_blocks_free(&candidates->blocks, memory);
     percale_tree_free(&candidates->faces, memory);
     percale_tree_free(&candidates->edges, memory);
@@ -277,40 +267,20 @@ static void searching_blocks(const PercaleCandidates *candidates, uint32_t range
     range[1] = candidates->obstacles ? blocks->count : blocks->cloth_count;
 }
 
-static bool is_spent(const PercaleCandidates *candidates, uint32_t b, float spare)
-{
-    return !candidates->known || !(candidates->blocks.items[b].moved <= candidates->margins[b] + spare);
-}
-
 /// Lists the blocks whose pairs may not be all any longer, or whose moment is about to be forgotten.
-static void list_spent(PercaleCandidates *candidates, const uint32_t range[2], float spare)
+static void list_spent(PercaleCandidates *candidates, const uint32_t range[2], float slack)
 {
     const PercaleBlocks *blocks = &candidates->blocks;
-    bool any = false;
+    bool any = !candidates->known;
     for (uint32_t b = range[0]; b < range[1]; b++) {
-        any = any || is_spent(candidates, b, spare);
-        candidates->ages[b]++;
+        any = any || !(blocks->items[b].moved <= slack);
     }
     candidates->spent.count = 0;
     for (uint32_t b = range[0]; any && b < range[1]; b++) {
-        if (is_spent(candidates, b, spare) || blocks->items[b].moment == percale_blocks_oldest(blocks)) {
+        if (!candidates->known || !(blocks->items[b].moved <= slack) ||
+            blocks->items[b].moment == percale_blocks_oldest(blocks)) {
             candidates->spent.blocks[candidates->spent.count++] = b;
         }
-    }
-}
-
-/// Wider margins for those whose pairs have not lasted, narrower ones for those whose pairs have.
-static void adapt_margins(PercaleCandidates *candidates)
-{
-    for (uint32_t i = 0; i < candidates->spent.count; i++) {
-        uint32_t b = candidates->spent.blocks[i];
-        float *margin = &candidates->margins[b];
-        if (candidates->known && candidates->ages[b] <= SHORT_AGE) {
-            *margin = fminf(2.0f * *margin, MARGIN_MOST / MARGIN * candidates->margin);
-        } else if (candidates->ages[b] >= LONG_AGE) {
-            *margin = fmaxf(0.5f * *margin, candidates->margin);
-        }
-        candidates->ages[b] = 0;
     }
 }
 
@@ -343,14 +313,13 @@ bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandida
     searching_blocks(candidates, range);
     percale_blocks_measure(blocks, stage->from, stage->to, stage->team);
     percale_blocks_compare(blocks, range[0], range[1], reach, stage->team);
-    list_spent(candidates, range, stage->spare);
+    list_spent(candidates, range, candidates->margin + stage->spare);
     if (candidates->spent.count == 0) {
         return true;
     }
     if (!candidates->known) {
         forget_pairs(candidates);
     }
-    adapt_margins(candidates);
     percale_blocks_begin(blocks, &candidates->spent, stage->from, stage->to, ANCHORED * candidates->margin,
                          reach, stage->team);
     candidates->known = percale_candidates_search(candidates, stage, tested);

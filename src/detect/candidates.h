@@ -36,9 +36,7 @@ typedef struct PercaleCandidates {
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
-    float margin;           // m, beyond the reach, at least
-    float *margins;         // [blocks.count] m, of each block
-    uint32_t *ages;         // [blocks.count] how often its pairs have been kept since they were found
+    float margin;           // m, beyond the reach
     float thickest;         // cloth, m
     PercaleBlocks blocks;   // of the cloth's slots, of each obstacle's vertices, of its edges
     bool known;             // pairs have been found
