@@ -1,0 +1,260 @@
+// step_detect.c: hands the solver's arrays to detect: obstacles and their paths, candidates, pairs, contacts.
+
+#include "substep.h"
+
+#include "base/parallel.h"
+#include "detect/carry.h"
+#include "detect/renew.h"
+#include "predict/look_ahead.h"
+#include "predict/obstacle_motion.h"
+
+#include <string.h>
+
+/// Moves the obstacle to the end of the substep; its tree is still at the start.
+static void move_obstacle(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    const PercaleObstacleObject *object = &solver->objects.obstacles[o];
+    PercaleFrame *frame = &solver->frames[o];
+    double before = (double)substep->index / (double)solver->def.substeps;
+    frame->motion = object->moving ? object->motion : MOTION_STATIC;
+    frame->is_in_own_space = object->motion == MOTION_RIGID;
+    frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
+    frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
+    solver->proximities[o].motion =
+        object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction,
+                                              (double)substep->dt * solver->def.substeps, substep->team)
+                       : 0.0f;
+    solver->proximities[o].traveled += (double)solver->proximities[o].motion;
+    if (solver->def.ccd == PERCALE_CCD_OFF) {
+        solver->proximities[o].doubt = INFINITY;
+    } else { // next to a deforming surface the start of a path is moved along with the nearest triangle only
+        solver->proximities[o].doubt =
+            frame->motion == MOTION_DEFORMING ? 2.0f * solver->proximities[o].motion : 0.0f;
+    }
+}
+
+/// Finds the vertices that can touch the obstacle, at its start pose, then takes tree and rays to the end
+/// pose.
+static bool find_active(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    PercaleProximity *proximity = &solver->proximities[o];
+    PercalePair pair = pair_of(substep, o);
+    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
+    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, substep->team);
+    solver->counters.detections += searches;
+    solver->counters.detections_skipped += model->slot_count - searches;
+    if (proximity->motion > 0.0f) {
+        percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted, substep->team);
+        if (solver->rays != NULL && solver->objects.obstacles[o].motion == MOTION_DEFORMING) {
+            return percale_rays_refit(solver->rays, o, model->predicted + pair.obstacle->first_point);
+        }
+    }
+    return true;
+}
+
+/// Nothing has been seen yet in this substep.
+static bool begin_sightings(PercaleSolver *solver, PercaleProximity *proximity)
+{
+    proximity->sightings =
+        percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleSighting));
+    for (uint32_t i = 0; proximity->sightings != NULL && i < proximity->active_count; i++) {
+        proximity->sightings[i].nearest = NO_TRIANGLE;
+    }
+    return proximity->sightings != NULL;
+}
+
+static bool cast_paths(Substep *substep, uint32_t o)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleProximity *proximity = &solver->proximities[o];
+    solver->crossings[o] = NULL;
+    if (solver->def.ccd == PERCALE_CCD_OFF) {
+        return true;
+    }
+    PercalePair pair = pair_of(substep, o);
+    PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted};
+    PercalePathStage stage = {&pair, proximity, &at_end, &solver->frames[o], solver->rays, o, substep->team};
+    solver->crossings[o] =
+        percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleCrossing));
+    return solver->crossings[o] != NULL &&
+           percale_paths_cast(&stage, &solver->arena, solver->crossings[o], &solver->counters.rays);
+}
+
+PercaleResult percale_detect_obstacles(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    bool complete = true;
+    for (uint32_t o = 0; complete && o < solver->model.obstacle_count; o++) {
+        move_obstacle(substep, o);
+        if (!solver->def.vertex_face) {
+            continue;
+        }
+        if (!find_active(substep, o)) {
+            return percale_fail(&solver->error, PERCALE_DEVICE_ERROR, "Embree can't refit obstacle '%s'",
+                                solver->objects.obstacles[o].name);
+        }
+        complete = begin_sightings(solver, &solver->proximities[o]) && cast_paths(substep, o);
+    }
+    end_stage(substep, PERCALE_STAGE_DETECT);
+    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+}
+
+/// Where pairs are looked at. NULL without memory.
+static const f32x4 *look_at_pairs(Substep *substep, bool first)
+{
+    PercaleModel *model = &substep->solver->model;
+    if (!first) {
+        return model->predicted;
+    }
+    f32x4 *coasting = percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4));
+    if (coasting != NULL) {
+        percale_look_coasting(model, substep->dt, coasting, substep->team);
+    }
+    return coasting;
+}
+
+/// Where they would be at the next pass. NULL without memory.
+static const f32x4 *look_ahead(Substep *substep, const f32x4 *seen, float later_substeps)
+{
+    PercaleModel *model = &substep->solver->model;
+    if (later_substeps <= 0.0f) {
+        return seen;
+    }
+    f32x4 *ahead = percale_arena_new(&substep->solver->arena, model->point_count, sizeof(f32x4));
+    if (ahead != NULL) {
+        percale_look_ahead(model, seen, later_substeps, ahead, substep->team);
+    }
+    return ahead;
+}
+
+/// Pairs of features that may come within reach before the next pass, as long as they are not known. False
+/// without memory.
+static bool find_candidates(Substep *substep, const f32x4 *seen)
+{
+    PercaleSolver *solver = substep->solver;
+    const PercaleModel *model = &solver->model;
+    float later = later_substeps(&solver->def);
+    const f32x4 *ahead = look_ahead(substep, seen, later);
+    if (ahead == NULL) {
+        return false;
+    }
+    PercaleCandidateStage stage = {.from = model->position,
+                                   .to = ahead,
+                                   .all_near = later > 0.0f,
+                                   .collectors = &solver->collectors,
+                                   .memory = &solver->detect_memory,
+                                   .team = substep->team};
+    return percale_candidates_keep(&solver->candidates, &stage, &solver->counters.candidates);
+}
+
+/// Pairs of the cloth's features, and of its edges and faces with the obstacles'; of some sources, or of all.
+static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSources *only)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePairStage stage = {.model = &solver->model,
+                              .end = seen,
+                              .candidates = &solver->candidates,
+                              .known = &solver->notes[0],
+                              .later_substeps = later_substeps(&solver->def),
+                              .dt = substep->dt,
+                              .may_be_crossed = solver->may_be_crossed,
+                              .only = only,
+                              .team = substep->team};
+    PercalePairCounts counts = {0};
+    bool complete = find_candidates(substep, seen) &&
+                    percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
+                                       &solver->notes[1], &counts);
+    PercaleNoteList written = solver->notes[1];
+    solver->notes[1] = solver->notes[0];
+    solver->notes[0] = written;
+    solver->counters.candidates += counts.candidates;
+    solver->counters.stencils_vf += counts.vertex_face;
+    solver->counters.stencils_ee += counts.edge_edge;
+    solver->counters.born_crossed += counts.born_crossed;
+    solver->may_be_crossed = counts.free_pairs > 0;
+    return complete;
+}
+
+/// The stencils of the last pass become the known ones.
+static void begin_stencils(PercaleSolver *solver)
+{
+    PercaleStencilList known = solver->stencils;
+    known.count = solver->pass_stencil_count;
+    solver->stencils = solver->known_stencils;
+    solver->stencils.count = 0;
+    solver->known_stencils = known;
+}
+
+/// Hands on what the known stencils know, and keeps those that still fit where points are at x; NULL: none.
+/// False without memory.
+static bool continue_stencils(Substep *substep, bool same_substep, const f32x4 *x)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleCarryStage stage = {&solver->known_stencils, &solver->stencils, same_substep, substep->team};
+    percale_carry_run(&stage);
+    bool complete =
+        x == NULL || percale_renew_merge(&solver->known_stencils, same_substep, x, &solver->arena,
+                                         &solver->detect_memory, substep->team, &solver->stencils);
+    solver->pass_stencil_count = solver->stencils.count;
+    return complete;
+}
+
+/// Between passes: pairs that have slid on are found anew. False without memory.
+static bool renew_pairs(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    solver->stencils.count = solver->pass_stencil_count;
+    if (solver->candidates.lists == NULL || solver->stencils.count == 0) {
+        return true;
+    }
+    const f32x4 *seen = look_at_pairs(substep, true);
+    PercaleSources slid = {NULL, 0};
+    bool complete =
+        seen != NULL && percale_renew_find(&solver->stencils, seen, &solver->arena, substep->team, &slid);
+    if (!complete || slid.count == 0) {
+        return complete;
+    }
+    begin_stencils(solver);
+    substep->renewed = true;
+    return detect_pairs(substep, seen, solver->may_be_crossed ? NULL : &slid) &&
+           continue_stencils(substep, false, seen);
+}
+
+PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
+{
+    PercaleSolver *solver = substep->solver;
+    bool complete = true;
+    if (pass) {
+        begin_stencils(solver);
+    } else {
+        complete = renew_pairs(substep);
+    }
+    solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
+    for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
+        PercalePair pair = pair_of(substep, o);
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
+        PercaleContactStage stage = {
+            &pair,       &solver->proximities[o], &at_end,      solver->crossings[o], !pass,
+            substep->dt, (uint64_t)o << 32,       substep->team};
+        complete = percale_contacts_find(&stage, &solver->collectors, &solver->detect_memory,
+                                         &solver->stencils, &solver->counters.candidates);
+    }
+    solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
+    if (complete && pass && solver->candidates.lists != NULL) {
+        const f32x4 *seen = look_at_pairs(substep, first);
+        complete = seen != NULL && detect_pairs(substep, seen, NULL);
+    }
+    if (complete && pass) {
+        complete = continue_stencils(substep, !first, first ? NULL : solver->model.predicted);
+    }
+    if (!pass) {
+        for (size_t i = 0; i < solver->pass_stencil_count; i++) { // a new substep: nothing has pushed yet
+            solver->stencils.items[i].multiplier = (f32x4){0};
+        }
+    }
+    end_stage(substep, PERCALE_STAGE_DETECT);
+    return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
+}

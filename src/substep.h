@@ -1,0 +1,83 @@
+// substep.h: what the files of the step share: step.c, which knows the order of the stages, and
+// step_detect.c, step_solve.c, which hand the solver's arrays to two of them.
+
+#ifndef PERCALE_SUBSTEP_H
+#define PERCALE_SUBSTEP_H
+
+#include "base/timer.h"
+#include "finish/guard.h"
+#include "solve/sweep.h"
+#include "solver.h"
+
+/// One substep of a step.
+typedef struct Substep {
+    PercaleSolver *solver;
+    PercaleTeam *team;
+    int index;       // 0 .. substeps - 1
+    float dt;        // s
+    double fraction; // of the step, at this substep's end
+    bool has_pass;   // a collision pass falls into it
+    bool any_leaves; // a contact opens fast
+    bool renewed;    // stencils of pairs between passes
+    double since;    // clock when the running stage began, s
+} Substep;
+
+static inline void end_stage(Substep *substep, PercaleStage stage)
+{
+    double now = percale_seconds();
+    substep->solver->profile.stage_seconds[stage] += now - substep->since;
+    substep->since = now;
+}
+
+/// Substeps after this one until the next pass, at most.
+static inline float later_substeps(const PercaleSolverDef *def)
+{
+    int between = (def->substeps + def->passes - 1) / def->passes;
+    return (float)(between - 1);
+}
+
+static inline PercalePair pair_of(const Substep *substep, uint32_t obstacle)
+{
+    const PercaleSolver *solver = substep->solver;
+    return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
+                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass};
+}
+
+/// Whether bending's force is found anew in this substep, where it acts less often than in each.
+static inline bool is_bending_due(const Substep *substep)
+{
+    return (uint32_t)substep->index % substep->solver->bend_interval == 0;
+}
+
+static inline bool is_bending_held(const PercaleSolver *solver)
+{
+    return solver->model.hinge_count > 0 && solver->bend_interval > 1;
+}
+
+// ---- step_detect.c ----
+
+/// Moves the obstacles; finds the vertices that can touch them and the paths that lead through.
+PercaleResult percale_detect_obstacles(Substep *substep);
+
+/// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
+/// added, and pairs that have slid on renewed. `first`: in the substep.
+PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first);
+
+// ---- step_solve.c ----
+
+/// Multipliers start at zero in every substep; open seams are asked to close a little further.
+void percale_begin_solve(Substep *substep);
+
+/// What the kernels work on.
+PercaleSolveArrays percale_solve_arrays(const Substep *substep);
+
+/// Slow bending is a force, like gravity, that is found anew in some substeps.
+PercaleResult percale_hold_bending(Substep *substep);
+
+PercaleResult percale_color_contacts(Substep *substep, bool pass);
+PercaleResult percale_solve(Substep *substep, uint32_t sweep_count);
+
+/// After the last sweep: outer layers give way; the slip that friction still owes. False without memory.
+bool percale_end_solve(Substep *substep);
+
+#endif
