@@ -260,11 +260,11 @@ static bool reserve(Cutting *cutting, const char *name)
     const size_t seams = 2 * (size_t)(percale_garment_rows(grid) + 1) +
                          2 * ((size_t)percale_garment_rim(grid) + 1 + grid.sleeve);
     cutting->mesh->name = strdup(name);
-    cutting->mesh->positions = malloc(3 * vertices * sizeof *cutting->mesh->positions);
-    cutting->mesh->triangles = malloc(6 * vertices * sizeof *cutting->mesh->triangles);
-    cutting->halves[0] = malloc(half_points * sizeof *cutting->halves[0]);
-    cutting->halves[1] = malloc(half_points * sizeof *cutting->halves[1]);
-    cutting->seams = malloc(seams * sizeof *cutting->seams);
+    cutting->mesh->positions = calloc(3 * vertices, sizeof *cutting->mesh->positions);
+    cutting->mesh->triangles = calloc(6 * vertices, sizeof *cutting->mesh->triangles);
+    cutting->halves[0] = calloc(half_points, sizeof *cutting->halves[0]);
+    cutting->halves[1] = calloc(half_points, sizeof *cutting->halves[1]);
+    cutting->seams = calloc(seams, sizeof *cutting->seams);
     return cutting->mesh->name && cutting->mesh->positions && cutting->mesh->triangles &&
            cutting->halves[0] && cutting->halves[1] && cutting->seams;
 }
