@@ -30,7 +30,8 @@ static void open_swarm(Swarm *swarm)
     *swarm = (Swarm){.allocator = percale_allocator_default(), .seed = 5};
     swarm->memory = (PercaleMemory){&swarm->allocator, 0};
     for (uint32_t i = 0; i < POINTS; i++) {
-        float along = 0.1f * (float)(i / BLOCK_POINTS);
+        uint32_t block = i / BLOCK_POINTS;
+        float along = 0.1f * (float)block;
         swarm->to[i] = (f32x4){along + 0.1f * around_zero(swarm), 0.1f * around_zero(swarm), 0.0f, 0.0f};
         swarm->from[i] = swarm->to[i];
     }

@@ -239,27 +239,37 @@ START_TEST(constraints_on_one_vertex_need_a_colour_each)
 }
 END_TEST
 
+enum { SLOW_COLORS = 1 << 12 };
+
+/// The first colour that none of a constraint's vertices has.
+static uint32_t first_free(const Problem *problem, uint32_t constraint, bool (*used)[SLOW_COLORS])
+{
+    for (uint32_t color = 0; color < SLOW_COLORS; color++) {
+        bool is_taken = false;
+        for (uint32_t k = 0; k < ARITY; k++) {
+            is_taken =
+                is_taken || (moves(problem, constraint, k) && used[problem->vertices[constraint][k]][color]);
+        }
+        if (!is_taken) {
+            return color;
+        }
+    }
+    return SLOW_COLORS;
+}
+
 /// First fit as one would write it down: a table of which vertex has which colour.
 static void fit_slowly(const Problem *problem, const uint8_t *waits, uint32_t *colors)
 {
-    enum { MOST = 1 << 12 };
-    bool(*used)[MOST] = calloc(problem->point_count, sizeof(used[0]));
+    bool(*used)[SLOW_COLORS] = calloc(problem->point_count, sizeof(used[0]));
     ck_assert_ptr_nonnull(used);
-    for (uint8_t late = 0; late < 2; late++) {
-        for (uint32_t i = 0; i < problem->count; i++) {
-            for (colors[i] = waits[i] == late ? 0 : colors[i]; waits[i] == late;) {
-                bool is_taken = false;
-                for (uint32_t k = 0; k < ARITY; k++) {
-                    is_taken = is_taken || (moves(problem, i, k) && used[problem->vertices[i][k]][colors[i]]);
-                }
-                if (!is_taken) {
-                    break;
-                }
-                colors[i]++;
-            }
-            for (uint32_t k = 0; waits[i] == late && k < ARITY; k++) {
-                used[problem->vertices[i][k]][colors[i]] |= moves(problem, i, k);
-            }
+    for (uint32_t turn = 0; turn < 2 * problem->count; turn++) {
+        uint32_t i = turn % problem->count;
+        if (waits[i] != turn / problem->count) {
+            continue;
+        }
+        colors[i] = first_free(problem, i, used);
+        for (uint32_t k = 0; k < ARITY; k++) {
+            used[problem->vertices[i][k]][colors[i]] |= moves(problem, i, k);
         }
     }
     free(used);

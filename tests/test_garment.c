@@ -586,7 +586,7 @@ START_TEST(bad_wishes_are_refused_by_name)
     ck_assert_ptr_null(pairs);
     ck_assert_ptr_null(percale_mannequin_make(HUGE_VAL, 1.0, &mesh, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "jump"));
-    ck_assert_ptr_null(percale_mannequin_make(0.0, NAN, &mesh, &error));
+    ck_assert_ptr_null(percale_mannequin_make(0.0, (double)NAN, &mesh, &error));
     ck_assert_ptr_nonnull(strstr(error.text, "speed"));
 }
 END_TEST

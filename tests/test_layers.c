@@ -75,7 +75,7 @@ static double mean_height(Stack *stack, int sheet)
 /// The least mean distance of a sheet from what is below it, in thicknesses.
 static double narrowest_gap(Stack *stack, double plate)
 {
-    double narrowest = INFINITY;
+    double narrowest = (double)INFINITY;
     double below = plate;
     for (int sheet = 0; sheet < SHEETS; sheet++) {
         double height = mean_height(stack, sheet);

@@ -3,6 +3,7 @@
 #include "pairs_testing.h"
 #include "percale/geometry.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,12 +92,20 @@ static void expect_stencils(const Found *some, const Found *all, const PercaleSo
     size_t count = 0;
     for (size_t i = 0; i < all->count; i++) {
         if (percale_sources_contain(only, all->stencils[i].source)) {
-            ck_assert_uint_lt(count, some->count);
+            ck_assert(count < some->count);
             ck_assert_mem_eq(&some->stencils[count++], &all->stencils[i], sizeof(PercaleStencil));
         }
     }
-    ck_assert_uint_eq(count, some->count);
-    ck_assert(count > 10 && all->count > 2 * count);
+    ck_assert(count == some->count && count > 10 && all->count > 2 * count);
+}
+
+static bool is_same(const PercalePairNote *a, const PercalePairNote *b)
+{
+    float apart = 0.0f;
+    for (int k = 0; k < 4; k++) {
+        apart += fabsf(a->normal[k] - b->normal[k]);
+    }
+    return a->key == b->key && a->source == b->source && !(apart > 0.0f);
 }
 
 /// How many of the notes are of the sources, or not of them; each must be among `of` with the same side.
@@ -109,7 +118,7 @@ static size_t count_notes(const PercaleNoteList *notes, const PercaleSources *so
         if (percale_sources_contain(sources, note->source) == inside) {
             bool known = false;
             for (size_t k = 0; k < of->count; k++) {
-                known = known || memcmp(&of->items[k], note, sizeof(*note)) == 0;
+                known = known || is_same(&of->items[k], note);
             }
             ck_assert(known);
             count++;

@@ -147,8 +147,8 @@ END_TEST
 int main(int argc, char **argv)
 {
     if (argc > 1 && strcmp(argv[1], "--full") == 0) {
-        first_run = argc > 2 ? atoi(argv[2]) : 0;
-        run_count = argc > 3 ? atoi(argv[3]) : 1000;
+        first_run = argc > 2 ? (int)strtol(argv[2], NULL, 10) : 0;
+        run_count = argc > 3 ? (int)strtol(argv[3], NULL, 10) : 1000;
         vertices_least = 500;
         vertices_most = 2000;
     }
