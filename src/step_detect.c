@@ -10,6 +10,8 @@
 
 #include <string.h>
 
+enum { GRAIN_STENCILS = 512 }; // per chunk
+
 /// Moves the obstacle to the end of the substep; its tree is still at the start.
 static void move_obstacle(Substep *substep, uint32_t o)
 {
@@ -223,6 +225,17 @@ static bool renew_pairs(Substep *substep)
            continue_stencils(substep, false, seen);
 }
 
+/// A new substep: nothing has pushed yet.
+static void forget_pushes(void *context, uint32_t first, uint32_t end)
+{
+    PercaleStencil *stencils = context;
+    for (uint32_t i = first; i < end; i++) {
+        if (stencils[i].multiplier[3] > 0.0f) { // many only stand by: they stay clean in the caches
+            stencils[i].multiplier = (f32x4){0};
+        }
+    }
+}
+
 PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
 {
     PercaleSolver *solver = substep->solver;
@@ -251,9 +264,8 @@ PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
         complete = continue_stencils(substep, !first, first ? NULL : solver->model.predicted);
     }
     if (!pass) {
-        for (size_t i = 0; i < solver->pass_stencil_count; i++) { // a new substep: nothing has pushed yet
-            solver->stencils.items[i].multiplier = (f32x4){0};
-        }
+        percale_team_for(substep->team, (uint32_t)solver->pass_stencil_count, GRAIN_STENCILS, forget_pushes,
+                         solver->stencils.items);
     }
     end_stage(substep, PERCALE_STAGE_DETECT);
     return complete ? PERCALE_OK : percale_fail_memory(&solver->error);

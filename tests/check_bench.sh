@@ -97,8 +97,8 @@ done
 accept --benchmark_list_tests --threads=1,2
 for name in kernel/triad/262144 kernel/triad/67108864 kernel/stretch/40000 kernel/stretch/160000 \
     kernel/stretch/640000 kernel/bend/40000 kernel/barrier kernel/rays/40000 scene/drape_hang/16384 \
-    scene/drape_obstacle/1048576 scene/dress/20000 scene/flag/9600 scene/funnel/10000 scene/twist/10000 \
-    scene/cards/10000; do
+    scene/drape_obstacle/1048576 scene/drape_hang_tight/16384 scene/drape_obstacle_tight/16384 scene/dress/20000 \
+    scene/flag/9600 scene/funnel/10000 scene/twist/10000 scene/cards/10000; do
     for threads in 1 2; do
         grep -qx "$name/threads:$threads" "$said.out" || complain "the list has no $name/threads:$threads"
     done
@@ -123,6 +123,7 @@ listed 'kernel/(triad|bend)' grep -E 'kernel/(triad|bend)'
 listed '-scene|triad' grep -vE 'scene|triad'
 accept --benchmark_list_tests --benchmark_filter='scene/d.*s[st]' --sizes=100,200 --threads=3
 [ "$(tr '\n' ' ' <"$said.out")" = "scene/drape_obstacle/100/threads:3 scene/drape_obstacle/200/threads:3 \
+scene/drape_obstacle_tight/100/threads:3 scene/drape_obstacle_tight/200/threads:3 \
 scene/dress/100/threads:3 scene/dress/200/threads:3 " ] || complain "--sizes, --threads: $(cat "$said.out")"
 
 # ---- refused ----
