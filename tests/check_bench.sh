@@ -158,7 +158,7 @@ refuse 2 'fastest' --preset=fastest
 
 # ---- a tiny scene: valid reports, the same state with one thread and two ----
 
-tiny="--benchmark_filter=scene/drape_obstacle --sizes=400 --frames=3 --threads=1,2"
+tiny="--benchmark_filter=scene/drape_obstacle/ --sizes=400 --frames=3 --threads=1,2"
 # shellcheck disable=SC2086 # lists of words
 accept $tiny --benchmark_format=json --benchmark_context=answer=42,host=here --set=substeps=2 --preset=swift
 cp "$said.out" report.json
@@ -235,7 +235,7 @@ head -n 1 "$said.out" | grep -q '^name,iterations,real_time,cpu_time,time_unit,'
 
 # A scene that can't be built is an error of its entry; the others go on.
 # shellcheck disable=SC2086
-call $tiny --benchmark_filter='drape_obstacle|barrier' --threads=1 --set=passes=1000 --benchmark_min_time=1x \
+call $tiny --benchmark_filter='drape_obstacle/|barrier' --threads=1 --set=passes=1000 --benchmark_min_time=1x \
     --benchmark_format=json
 [ "$code" = 1 ] || complain "a scene that can't be built: exit code $code"
 grep -q "$one.*passes" "$said.err" || complain "a scene that can't be built: '$(cat "$said.err")'"

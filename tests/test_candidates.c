@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 12, MIDDLE_SIDE = 14, LARGE_SIDE = 20, SHEETS = 2, STEPS = PERCALE_SANITIZED ? 8 : 24 };
+enum { SIDE = 12, MIDDLE_SIDE = 14, LARGE_SIDE = 20, SHEETS = 2, STEPS = 24 };
 static const float EDGE = 0.02f; // m
 
 /// Two sheets, the second 12 mm above the first, of so many vertices a side.
