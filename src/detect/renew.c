@@ -113,7 +113,8 @@ bool percale_renew_merge(const PercaleStencilList *known, bool same_substep, con
     Run new = {added, 0, 0};
     while (old.end < known->count || new.end < new_count) {
         uint64_t source = old.end < known->count ? known->items[old.end].source : UINT64_MAX;
-        source = new.end < new_count &&added[new.end].source < source ? added[new.end].source : source;
+        uint64_t other = new.end < new_count ? added[new.end].source : UINT64_MAX;
+        source = other < source ? other : source;
         old = run_of(known->items, known->count, old.end, source);
         new = run_of(added, new_count, new.end, source);
         Run kept = {to, count, count};
