@@ -122,6 +122,15 @@ static uint32_t end_of_block(const Items *items, uint32_t first)
     return end;
 }
 
+/// What a list keeps of each of its blocks. False without memory.
+static bool open_list(PercaleCandidateList *list, PercaleMemory *memory)
+{
+    list->first_item = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(uint32_t));
+    list->pairs = percale_memory_new(memory, list->block_count, sizeof(list->pairs[0]));
+    list->first_pair = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(size_t));
+    return list->first_item != NULL && list->pairs != NULL && list->first_pair != NULL;
+}
+
 /// Cuts a list into blocks, the first of which has this number.
 static bool cut_list(const Items *items, uint32_t first_block, PercaleMemory *memory)
 {
@@ -130,10 +139,7 @@ static bool cut_list(const Items *items, uint32_t first_block, PercaleMemory *me
     for (uint32_t i = 0; i < items->count; i = end_of_block(items, i)) {
         list->block_count++;
     }
-    list->first_item = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(uint32_t));
-    list->pairs = percale_memory_new(memory, list->block_count, sizeof(list->pairs[0]));
-    list->first_pair = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(size_t));
-    if (list->first_item == NULL || list->pairs == NULL || list->first_pair == NULL) {
+    if (!open_list(list, memory)) {
         return false;
     }
     for (uint32_t b = 0; b < list->block_count; b++) {
@@ -147,10 +153,7 @@ static bool cut_cloth_edges(PercaleCandidateList *edges, const PercaleCandidateL
                             PercaleMemory *memory)
 {
     edges->block_count = slots->block_count;
-    edges->first_item = percale_memory_new(memory, (size_t)edges->block_count + 1, sizeof(uint32_t));
-    edges->pairs = percale_memory_new(memory, edges->block_count, sizeof(edges->pairs[0]));
-    edges->first_pair = percale_memory_new(memory, (size_t)edges->block_count + 1, sizeof(size_t));
-    if (edges->first_item == NULL || edges->pairs == NULL || edges->first_pair == NULL) {
+    if (!open_list(edges, memory)) {
         return false;
     }
     const PercaleEdges *all = &edges->mesh->edges;

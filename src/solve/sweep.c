@@ -140,7 +140,7 @@ static uint32_t rank_of(const PercaleModel *model, const PercaleStencil *stencil
 }
 
 /// The contacts of one rank, in the runs of all.
-static void select_rank(const PercaleSweepPlan *plan, uint32_t rank, uint32_t *order,
+static void select_rank(const PercaleSweepPlan *plan, const uint32_t *ranks, uint32_t rank, uint32_t *order,
                         PercaleBatches *selected)
 {
     const PercaleSolveArrays *arrays = &plan->arrays;
@@ -148,9 +148,8 @@ static void select_rank(const PercaleSweepPlan *plan, uint32_t rank, uint32_t *o
     for (uint32_t run = 0; run < plan->contacts->run_count; run++) {
         uint32_t before = selected->count;
         for (uint32_t i = plan->contacts->run_first[run]; i < plan->contacts->run_first[run + 1]; i++) {
-            uint32_t stencil = arrays->stencil_order[i];
-            if (rank_of(arrays->model, &arrays->stencils[stencil]) == rank) {
-                order[selected->count++] = stencil;
+            if (ranks[i] == rank) {
+                order[selected->count++] = arrays->stencil_order[i];
             }
         }
         selected->run_first[selected->run_count] = before;
@@ -166,16 +165,20 @@ bool percale_sweep_outwards(const PercaleSweepPlan *plan, PercaleTeam *team, Per
     PercaleSolveArrays arrays = plan->arrays;
     PercaleBatches selected = {.tile_first_run = &no_tile};
     uint32_t *order = percale_arena_new(arena, plan->contacts->count, sizeof(uint32_t));
+    uint32_t *ranks = percale_arena_new(arena, plan->contacts->count, sizeof(uint32_t));
     selected.run_first = percale_arena_new(arena, (size_t)plan->contacts->run_count + 1, sizeof(uint32_t));
     Kind contacts = {&arrays, &selected, percale_solve_contact, GRAIN_CONTACTS};
     Program program = {percale_arena_new(arena, plan->contacts->run_count, sizeof(PercalePhase)), 0};
-    if (order == NULL || selected.run_first == NULL || program.phases == NULL) {
+    if (order == NULL || ranks == NULL || selected.run_first == NULL || program.phases == NULL) {
         return false;
+    }
+    for (uint32_t i = 0; i < plan->contacts->count; i++) {
+        ranks[i] = rank_of(model, &arrays.stencils[arrays.stencil_order[i]]);
     }
     arrays.stencil_order = order;
     for (uint32_t rank = 0; rank < model->rank_count; rank++) {
         Hold hold = {&plan->arrays, rank};
-        select_rank(plan, rank, order, &selected);
+        select_rank(plan, ranks, rank, order, &selected);
         program.count = 0;
         add_runs(&program, &contacts);
         percale_team_for(team, model->slot_count, GRAIN, hold_range, &hold);
