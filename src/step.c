@@ -36,7 +36,8 @@ static PercaleResult name_bad_vertex(PercaleSolver *solver, uint32_t slot)
 static PercaleResult predict(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
-    bool pushed = is_bending_held(solver) && !is_bending_due(substep);
+    f32x4 *pushes = is_bending_held(solver) ? solver->bend_pushes : NULL;
+    bool due = pushes != NULL && is_bending_due(substep);
     PercalePredictStage stage = {
         .model = &solver->model,
         .gravity = vector_of(solver->def.gravity),
@@ -44,10 +45,12 @@ static PercaleResult predict(Substep *substep)
         .damping = (float)exp(-(double)solver->def.damping * (double)substep->dt),
         .speed_max = solver->def.speed_max,
         .dt = substep->dt,
-        .pushes = pushed ? solver->bend_pushes : NULL,
+        .pushes = due ? NULL : pushes,
+        .ahead = due ? pushes : NULL,
+        .ahead_count = (float)solver->bend_interval,
     };
     uint32_t bad = percale_predict_cloth(&stage, substep->team);
-    percale_predict_pins(&solver->model, solver->pin_from, solver->pin_to, (float)substep->fraction);
+    percale_predict_pins(&stage, solver->pin_from, solver->pin_to, (float)substep->fraction);
     end_stage(substep, PERCALE_STAGE_PREDICT);
     return bad == UINT32_MAX ? PERCALE_OK : name_bad_vertex(solver, bad);
 }
@@ -166,9 +169,9 @@ static bool has_pass(const PercaleSolverDef *def, int substep_index)
 static PercaleResult run_substep(Substep *substep)
 {
     const PercaleSolverDef *def = &substep->solver->def;
+    percale_begin_solve(substep);
     PercaleResult result = predict(substep);
     if (result == PERCALE_OK) {
-        percale_begin_solve(substep);
         result = percale_hold_bending(substep);
     }
     if (result == PERCALE_OK) {

@@ -396,6 +396,40 @@ START_TEST(bending_at_an_interval_feeds_no_swing)
 }
 END_TEST
 
+/// The pins' places ahead, too, are ahead: a sheet that goes along with them isn't bent.
+START_TEST(a_flat_sheet_that_its_pins_carry_is_not_bent)
+{
+    enum { FRAMES = 30 };
+    const float SPEED = 3.0f; // m/s, across the sheet
+    PercaleSolverDef def = percale_solver_def_default();
+    def.gravity[0] = def.gravity[1] = def.gravity[2] = 0.0f;
+    def.damping = 0.0f;
+    const uint32_t corners[2] = {0, SIDE - 1};
+    Hung hung = hang(def, 0.0f, corners, 2);
+    float velocities[3 * SIDE * SIDE];
+    for (int i = 0; i < 3 * SIDE * SIDE; i++) {
+        velocities[i] = i % 3 == 1 ? SPEED : 0.0f;
+    }
+    PERCALE_TEST_OK(hung.solver, percale_cloth_set_velocities(hung.solver, hung.cloth, velocities, 0));
+    for (int frame = 1; frame <= FRAMES; frame++) {
+        float targets[6];
+        for (int i = 0; i < 6; i++) {
+            float way = i % 3 == 1 ? SPEED * (float)frame / 60.0f : 0.0f;
+            targets[i] = hung.sheet.positions[3 * corners[i / 3] + (uint32_t)i % 3] + way;
+        }
+        PERCALE_TEST_OK(hung.solver, percale_pin_move(hung.solver, hung.pin, targets, 0));
+        PERCALE_TEST_OK(hung.solver, percale_solver_step(hung.solver, 1.0 / 60.0));
+    }
+    ck_assert_uint_ge(hung.solver->bend_interval, 4);
+    float x[3 * SIDE * SIDE];
+    PERCALE_TEST_OK(hung.solver, percale_cloth_get_positions(hung.solver, hung.cloth, x, 0));
+    for (int i = 1; i < 3 * SIDE * SIDE; i += 3) { // flat, where the pins are
+        ck_assert_double_lt(fabs((double)(x[i] - x[1])), 5e-5);
+    }
+    let_go(&hung);
+}
+END_TEST
+
 // The impulse of n substeps at once: to first order in the stiffness the movement is n times as large.
 START_TEST(bending_at_an_interval_is_as_strong_as_the_substeps_it_stands_for)
 {
@@ -440,6 +474,7 @@ int main(void)
     tcase_add_test(bending, the_softer_bending_is_the_less_often_it_acts_at_a_divisor_of_the_substeps);
     tcase_add_test(bending, bending_at_an_interval_moves_cloth_as_that_of_every_substep);
     tcase_add_test(bending, bending_at_an_interval_feeds_no_swing);
+    tcase_add_test(bending, a_flat_sheet_that_its_pins_carry_is_not_bent);
     tcase_add_test(bending, bending_at_an_interval_is_as_strong_as_the_substeps_it_stands_for);
     suite_add_tcase(suite, bending);
     return percale_test_run(suite);

@@ -68,10 +68,13 @@ static inline i32x8 predict_vertices(const Predict *predict, uint32_t slot, uint
     }
     velocity = limit_speed(without_w(velocity * stage->damping), stage->speed_max);
     velocity = where8(greater8(SPREAD(x, 3), all8(0.0f)), velocity);
-    x += velocity * stage->dt;
+    f32x8 to = x + velocity * stage->dt;
     store_two(model->next_velocity + slot, velocity, count);
-    store_two(model->predicted + slot, x, count);
-    return not_finite8(x);
+    store_two(model->predicted + slot, to, count);
+    if (stage->ahead != NULL) {
+        store_two(stage->ahead + slot, x + (to - x) * stage->ahead_count, count);
+    }
+    return not_finite8(to);
 }
 
 static void predict_range(void *context, uint32_t first, uint32_t end)
@@ -99,10 +102,17 @@ uint32_t percale_predict_cloth(const PercalePredictStage *stage, PercaleTeam *te
     return predict.bad;
 }
 
-void percale_predict_pins(PercaleModel *model, const f32x4 *from, const f32x4 *to, float fraction)
+void percale_predict_pins(const PercalePredictStage *stage, const f32x4 *from, const f32x4 *to,
+                          float fraction)
 {
+    PercaleModel *model = stage->model;
     for (uint32_t i = 0; i < model->pinned_count; i++) {
+        uint32_t slot = model->pinned_slots[i];
         f32x4 target = fraction < 1.0f ? from[i] + (to[i] - from[i]) * fraction : to[i];
-        model->predicted[model->pinned_slots[i]] = with_w(target, 0.0f);
+        model->predicted[slot] = with_w(target, 0.0f);
+        if (stage->ahead != NULL) {
+            f32x4 x = model->position[slot];
+            stage->ahead[slot] = x + (model->predicted[slot] - x) * stage->ahead_count;
+        }
     }
 }

@@ -1,55 +1,44 @@
 #include "solve/held_bending.h"
 
 #include "base/parallel.h"
+#include "base/wide.h"
 
-/// What the chunks share.
-typedef struct Held {
-    const PercaleHeldBending *held;
-    f32x4 *ahead; // where the points will be, then bent
-} Held;
-
-static f32x4 look_ahead(const PercaleHeldBending *held, uint32_t slot)
+/// One or two points from `slot` on. The weights are those of an impulse of all the substeps: each has its
+/// share of it.
+static inline void push_points(const PercaleHeldBending *held, uint32_t slot, uint32_t count)
 {
-    f32x4 x = held->plan.arrays.x[slot];
-    f32x4 start = held->plan.arrays.start[slot];
-    return with_w(start + (x - start) * (float)held->interval, x[3]);
+    const PercaleSolveArrays *arrays = &held->plan.arrays;
+    f32x8 start = load_two(arrays->start + slot, count);
+    f32x8 x = load_two(arrays->x + slot, count);
+    f32x8 straight = start + (x - start) * (float)held->interval;
+    f32x8 bent = without_w(load_two(held->pushes + slot, count) - straight) * (1.0f / (float)held->interval);
+    f32x8 push = bent * (1.0f / arrays->dt);
+    store_two(held->pushes + slot, push, count);
+    store_two(arrays->x + slot, x + bent, count);
+    store_two(arrays->velocity + slot, load_two(arrays->velocity + slot, count) + push, count);
 }
 
-static void look_ahead_range(void *context, uint32_t first, uint32_t end)
-{
-    const Held *all = context;
-    for (uint32_t slot = first; slot < end; slot++) {
-        all->ahead[slot] = look_ahead(all->held, slot);
-    }
-}
-
-/// The weights are those of an impulse of all the substeps: each has its share of it.
 static void push_range(void *context, uint32_t first, uint32_t end)
 {
-    const Held *all = context;
-    const PercaleHeldBending *held = all->held;
-    const PercaleSolveArrays *arrays = &held->plan.arrays;
-    for (uint32_t slot = first; slot < end; slot++) {
-        f32x4 bent = with_w(all->ahead[slot] - look_ahead(held, slot), 0.0f) / (float)held->interval;
-        held->pushes[slot] = bent / arrays->dt;
-        arrays->x[slot] += bent;
-        arrays->velocity[slot] += held->pushes[slot];
+    const PercaleHeldBending *held = context;
+    uint32_t slot = first;
+    for (; slot + 2 <= end; slot += 2) {
+        push_points(held, slot, 2);
+    }
+    if (slot < end) {
+        push_points(held, slot, 1);
     }
 }
 
 bool percale_held_bending_run(const PercaleHeldBending *held, PercaleTeam *team, PercaleArena *arena)
 {
-    uint32_t count = held->plan.arrays.model->slot_count;
-    Held all = {held, percale_arena_new(arena, count, sizeof(f32x4))};
-    if (all.ahead == NULL) {
-        return false;
-    }
+    const PercaleModel *model = held->plan.arrays.model;
     PercaleSweepPlan plan = held->plan;
-    plan.arrays.x = all.ahead;
-    percale_team_for(team, count, GRAIN, look_ahead_range, &all);
+    plan.arrays.x = held->pushes;
     if (!percale_sweep_hinges(&plan, team, arena)) {
         return false;
     }
-    percale_team_for(team, count, GRAIN, push_range, &all);
+    PercaleHeldBending shared = *held;
+    percale_team_for(team, model->slot_count, GRAIN, push_range, &shared);
     return true;
 }

@@ -1,6 +1,7 @@
 // held_bending.h: bending that is slow enough to act less often than every substep.
 //
-//   in   predicted points, where they were when the substep began, hinges in batches
+//   in   predicted points, where they were when the substep began, where they will be n substeps after that;
+//        hinges in batches
 //   out  predicted points and velocities, pushed; the pushes, for the substeps until bending is due again
 //
 // Its force is found in every n-th substep, where the points will be n substeps after its start. Between,
@@ -15,7 +16,7 @@
 typedef struct PercaleHeldBending {
     PercaleSweepPlan plan; // with the hinges; arrays.start, x and velocity of the substep
     uint32_t interval;     // n
-    f32x4 *pushes;         // [slot_count] m/s, of a substep
+    f32x4 *pushes; // [slot_count] in: the points ahead, m; out: what they are pushed by in a substep, m/s
 } PercaleHeldBending;
 
 /// In the n-th substeps. False without memory (in the arena).
