@@ -1,6 +1,6 @@
 #include "solve/solve_arrays.h"
 
-enum { LONGEST_BEND_INTERVAL = 20 };     // substeps
+enum { LONGEST_BEND_INTERVAL = 20 };    // substeps
 static const float SLOW_BENDING = 0.2f; // (omega dt)^2 of a hinge up to which an interval counts as short
 
 /// K = sum c_k x_k with the energy k / 2 |K|^2. In XPBD form, with kappa = k dt^2 and per component
