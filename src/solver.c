@@ -342,7 +342,8 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
                     allocate_some(memory, &solver->frames, count, sizeof(PercaleFrame)) &&
                     allocate_some(memory, &solver->crossings, count, sizeof(PercaleCrossing *));
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
-        complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o], memory);
+        complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o],
+                                            solver->def.ccd == PERCALE_CCD_EXACT, memory);
         if (complete) {
             percale_tree_refit(&solver->proximities[o].tree, model->obstacles[o].triangles, model->position,
                                percale_team_alone());

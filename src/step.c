@@ -6,6 +6,7 @@
 
 #include "finish/advance.h"
 #include "finish/pair_guard.h"
+#include "finish/path_guard.h"
 #include "predict/obstacle_motion.h"
 #include "predict/predict.h"
 
@@ -101,6 +102,83 @@ static bool has_moved_obstacles(const PercaleSolver *solver)
     return moved;
 }
 
+/// Vertices whose ways have come through an obstacle (ccd=exact). Returns how many were put back.
+static uint64_t guard_paths(Substep *substep, f32x4 *proved, bool again)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePathGuardStage stage = {.model = &solver->model,
+                                   .proximities = solver->proximities,
+                                   .frames = solver->frames,
+                                   .proved = proved,
+                                   .again = again,
+                                   .dt = substep->dt,
+                                   .team = substep->team};
+    PercalePathGuardCounts counts = percale_path_guard_run(&stage);
+    solver->counters.left_inside += counts.left;
+    solver->counters.truncated += counts.truncated;
+    return counts.truncated;
+}
+
+/// Vertices that are below an obstacle's surface. Returns how many were put back.
+static uint64_t guard_obstacles(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    uint64_t corrected = 0;
+    for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
+        PercalePair pair = pair_of(substep, o);
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
+        PercaleGuardStage stage = {&pair,
+                                   &solver->proximities[o],
+                                   &at_end,
+                                   &solver->frames[o],
+                                   model->predicted,
+                                   model->next_velocity,
+                                   substep->dt,
+                                   solver->def.ccd == PERCALE_CCD_RAY,
+                                   solver->proximities,
+                                   o,
+                                   substep->team};
+        PercaleGuardCounts counts = percale_guard_run(&stage);
+        solver->counters.left_inside += counts.left_inside;
+        solver->counters.truncated += counts.truncated;
+        corrected += counts.truncated;
+        solver->counters.detections += counts.searches;
+    }
+    return corrected;
+}
+
+/// The guards one after the other; what one of them has moved is shown to the other again. False without
+/// memory.
+static bool guard(Substep *substep, uint64_t *corrected)
+{
+    enum { ROUNDS = 4 }; // one is enough nearly always
+    PercaleSolver *solver = substep->solver;
+    f32x4 *proved = NULL;
+    if (solver->def.ccd == PERCALE_CCD_EXACT && solver->def.vertex_face && solver->model.obstacle_count > 0) {
+        proved = percale_arena_new(&solver->arena, solver->model.slot_count, sizeof(f32x4));
+        if (proved == NULL) {
+            return false;
+        }
+        *corrected += guard_paths(substep, proved, false);
+    }
+    uint64_t moved = guard_obstacles(substep);
+    for (int round = 0; round < ROUNDS; round++) {
+        if (!guard_pairs(substep, &moved)) {
+            return false;
+        }
+        *corrected += moved;
+        moved = proved != NULL && moved > 0 ? guard_paths(substep, proved, true) : 0;
+        if (moved == 0) {
+            return true;
+        }
+    }
+    *corrected += moved;
+    solver->counters.left_crossed += moved; // they may have come through cloth: obstacles have the last word
+    solver->may_be_crossed = true;
+    return true;
+}
+
 static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
@@ -113,27 +191,7 @@ static PercaleResult finish(Substep *substep)
         return percale_fail_memory(&solver->error);
     }
     uint64_t corrected = 0;
-    for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
-        PercalePair pair = pair_of(substep, o);
-        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
-        PercaleGuardStage stage = {&pair,
-                                   &solver->proximities[o],
-                                   &at_end,
-                                   &solver->frames[o],
-                                   model->predicted,
-                                   model->next_velocity,
-                                   substep->dt,
-                                   solver->def.ccd != PERCALE_CCD_OFF,
-                                   solver->proximities,
-                                   o,
-                                   substep->team};
-        PercaleGuardCounts counts = percale_guard_run(&stage);
-        solver->counters.left_inside += counts.left_inside;
-        solver->counters.truncated += counts.truncated;
-        corrected += counts.truncated;
-        solver->counters.detections += counts.searches;
-    }
-    if (!guard_pairs(substep, &corrected)) {
+    if (!guard(substep, &corrected)) {
         return percale_fail_memory(&solver->error);
     }
     bad = corrected > 0 ? percale_advance_find_bad(model, substep->team) : UINT32_MAX;

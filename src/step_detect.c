@@ -30,6 +30,8 @@ static void move_obstacle(Substep *substep, uint32_t o)
     solver->proximities[o].traveled += (double)solver->proximities[o].motion;
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         solver->proximities[o].doubt = INFINITY;
+    } else if (solver->def.ccd == PERCALE_CCD_EXACT) {
+        solver->proximities[o].doubt = -INFINITY;
     } else { // next to a deforming surface the start of a path is moved along with the nearest triangle only
         solver->proximities[o].doubt =
             frame->motion == MOTION_DEFORMING ? 2.0f * solver->proximities[o].motion : 0.0f;
@@ -50,6 +52,10 @@ static bool find_active(Substep *substep, uint32_t o)
     solver->counters.detections_skipped += model->slot_count - searches;
     if (proximity->motion > 0.0f) {
         percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted, substep->team);
+        if (solver->def.ccd == PERCALE_CCD_EXACT) {
+            const f32x4 *const ends[] = {model->position, model->predicted};
+            percale_tree_refit_swept(&proximity->swept, pair.obstacle->triangles, ends, 2, substep->team);
+        }
         if (solver->rays != NULL && solver->objects.obstacles[o].motion == MOTION_DEFORMING) {
             return percale_rays_refit(solver->rays, o, model->predicted + pair.obstacle->first_point);
         }

@@ -58,11 +58,12 @@ typedef void PercaleLogFunction(void *user, const char *text);
 typedef void *PercaleAllocateFunction(void *user, size_t size, size_t alignment);
 typedef void PercaleReleaseFunction(void *user, void *memory);
 
-/// Continuous collision detection of cloth vertices against obstacles.
+/// Continuous collision detection.
 typedef enum PercaleCcd {
     PERCALE_CCD_OFF = 0,
     PERCALE_CCD_RAY,  ///< vertex paths cast with Embree in the frame of the obstacle
-    PERCALE_CCD_EXACT ///< no rays, and conservative swept tests in double between cloth and cloth, and edges
+    PERCALE_CCD_EXACT ///< no rays, but conservative tests in double of straight ways, of obstacles as they
+                      ///< move, too, and of cloth against cloth, edges included
 } PercaleCcd;
 
 /// When contact candidates are found anew.

@@ -1,6 +1,6 @@
 #include "detect/paths.h"
 
-#include <string.h>
+#include "detect/swept.h"
 
 /// v + 2 w (u x v) + 2 u x (u x v) for the quaternion (u, w); sign = -1 turns back.
 static Vec3 rotate(const double rotation[4], double sign, Vec3 v)
@@ -79,7 +79,7 @@ static PercaleCrossing find_crossing(const PercalePathStage *stage, uint32_t slo
                                           vec3_of(stage->pair->model->predicted[slot]));
 }
 
-/// What the chunks of the exact search share.
+/// What the chunks of the search share.
 typedef struct Search {
     const PercalePathStage *stage;
     const uint8_t *flags;
@@ -99,11 +99,30 @@ static void search_range(void *context, uint32_t first, uint32_t end)
     }
 }
 
+/// Against the obstacle as it moves.
+static void sweep_range(void *context, uint32_t first, uint32_t end)
+{
+    const Search *search = context;
+    const PercalePathStage *stage = search->stage;
+    for (uint32_t i = first; i < end; i++) {
+        uint32_t slot = stage->proximity->active[i];
+        search->crossings[i] = NO_CROSSING;
+        if (may_meet(stage->pair, stage->proximity, slot)) {
+            search->crossings[i] = percale_swept_crossing(stage->pair, stage->proximity, slot);
+        }
+    }
+}
+
 bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, PercaleCrossing *crossings,
                         uint64_t *ray_count)
 {
     enum { GRAIN_PATHS = 512 };
     uint32_t active_count = stage->proximity->active_count;
+    if (stage->rays == NULL) {
+        Search search = {stage, NULL, NULL, crossings};
+        percale_team_for(stage->team, active_count, GRAIN_PATHS, sweep_range, &search);
+        return true;
+    }
     f32x4 *from = percale_arena_new(arena, active_count, sizeof(f32x4));
     f32x4 *to = percale_arena_new(arena, active_count, sizeof(f32x4));
     uint32_t *index = percale_arena_new(arena, active_count, sizeof(uint32_t));
@@ -112,15 +131,11 @@ bool percale_paths_cast(const PercalePathStage *stage, PercaleArena *arena, Perc
         return false;
     }
     for (uint32_t i = 0; i < active_count; i++) {
-        crossings[i] = (PercaleCrossing){NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
+        crossings[i] = NO_CROSSING;
     }
     uint32_t count = collect(stage, from, to, index);
-    if (stage->rays != NULL) {
-        percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->team);
-        *ray_count += count;
-    } else {
-        memset(flags, 1, count);
-    }
+    percale_rays_cast(stage->rays, stage->obstacle_index, from, to, count, flags, stage->team);
+    *ray_count += count;
     Search search = {stage, flags, index, crossings};
     percale_team_for(stage->team, count, GRAIN_PATHS, search_range, &search);
     return true;

@@ -3,9 +3,9 @@
 //   in   committed and predicted positions, the obstacle's motion, the active vertices
 //   out  for each active vertex the first crossing from the front, at the end pose
 //
-// A path is taken in the frame of the obstacle: the start point moves along, rigidly or with the nearest
-// triangle. Embree flags paths (ccd=ray), or all are (ccd=exact); the crossing itself is decided by our own
-// search in double.
+// With ccd=ray a path is taken in the frame of the obstacle: the start point moves along, rigidly or with the
+// nearest triangle. Embree flags paths; the crossing itself is decided by our own search in double. With
+// ccd=exact the way is tested against the obstacle as it moves (swept.h).
 
 #ifndef PERCALE_PATHS_H
 #define PERCALE_PATHS_H
@@ -33,7 +33,7 @@ typedef struct PercalePathStage {
     const PercaleProximity *proximity;
     const PercaleSurface *surface; // end pose
     const PercaleFrame *frame;
-    const PercaleRays *rays; // NULL: every path is searched
+    const PercaleRays *rays; // NULL: ccd=exact
     uint32_t obstacle_index;
     PercaleTeam *team;
 } PercalePathStage;

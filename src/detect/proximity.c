@@ -18,7 +18,7 @@ static const float PATH_ROOM = 2.0f;
 static const float FARTHEST = 1e8f; // m; more than any two points of a scene are apart
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
-                              const PercaleModelSurface *obstacle, PercaleMemory *memory)
+                              const PercaleModelSurface *obstacle, bool exact, PercaleMemory *memory)
 {
     *proximity = (PercaleProximity){0};
     proximity->clearance = percale_memory_new(memory, model->slot_count, sizeof(float));
@@ -30,7 +30,9 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
         proximity->is_active == NULL || proximity->active == NULL ||
         !percale_nearby_create(&proximity->nearby, model->slot_count, memory) ||
         !percale_tree_build(&proximity->tree, obstacle->triangles, 3, obstacle->triangle_count,
-                            model->position, memory)) {
+                            model->position, memory) ||
+        (exact && !percale_tree_build(&proximity->swept, obstacle->triangles, 3, obstacle->triangle_count,
+                                      model->position, memory))) {
         percale_proximity_free(proximity, memory);
         return false;
     }
@@ -43,6 +45,7 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory)
 {
     percale_tree_free(&proximity->tree, memory);
+    percale_tree_free(&proximity->swept, memory);
     percale_memory_free(memory, proximity->clearance);
     percale_memory_free(memory, proximity->nearest);
     percale_memory_free(memory, proximity->side);

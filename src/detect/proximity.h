@@ -28,6 +28,8 @@ typedef struct PercaleSighting {
 
 typedef struct PercaleProximity {
     PercaleTree tree;
+    PercaleTree
+        swept; // boxes over start and end of the substep, while the obstacle moves; only with ccd=exact
     float *clearance;  // [slot_count] m; distance or a lower bound of it
     uint32_t *nearest; // [slot_count] nearest triangle when last computed, NO_TRIANGLE
     int8_t *side; // [slot_count] at the start of this substep: +1, -1; 0: not known, clearance is a bound;
@@ -39,9 +41,9 @@ typedef struct PercaleProximity {
     PercaleSighting *sightings; // [active_count] of this substep, in the step's arena
     float motion;               // m; the farthest that one of the obstacle's vertices moves in this substep
     double traveled;            // m; sum of the motions, this substep's too
-    float
-        doubt; // m; what the path test may be wrong by: nothing seen on a path, a vertex that is this deep
-               // behind an open surface has passed through it all the same, a deeper one went around the rim
+    float doubt; // m; what the path test may be wrong by: nothing seen on a path, a vertex that is this deep
+                 // behind an open surface has passed through it all the same, a deeper one went around the
+                 // rim; below 0: it can't be wrong
 } PercaleProximity;
 
 /// What the stages of detection share about one obstacle and the cloth.
@@ -52,8 +54,9 @@ typedef struct PercalePair {
     bool is_pass_due;     // in this substep
 } PercalePair;
 
+/// `exact`: with a swept tree.
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
-                              const PercaleModelSurface *obstacle, PercaleMemory *memory);
+                              const PercaleModelSurface *obstacle, bool exact, PercaleMemory *memory);
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
 
 /// Finds the active vertices. The tree is at the start pose; surface->points are the committed positions.

@@ -479,7 +479,7 @@ PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Ve
         high[axis] = h + slack;
     }
     PathView view = view_along(a, b);
-    PercaleCrossing best = {NO_TRIANGLE, 1.0, {0.0, 0.0, 0.0}};
+    PercaleCrossing best = NO_CROSSING;
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
     stack[size++] = tree_root(tree);

@@ -87,6 +87,7 @@ typedef struct PercaleCrossing {
     double time;       // in [0, 1]
     double weights[3];
 } PercaleCrossing;
+static const PercaleCrossing NO_CROSSING = {UINT32_MAX, 1.0, {0.0, 0.0, 0.0}};
 PercaleCrossing percale_surface_first_crossing(const PercaleSurface *surface, Vec3 a, Vec3 b);
 
 /// The point with these barycentric coordinates.

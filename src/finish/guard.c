@@ -35,24 +35,29 @@ static Vec3 outward_at(const PercaleGuardStage *stage, Vec3 point, const Percale
     return percale_contact_normal(stage->surface, point, nearest->triangle, &nearest->closest, -1);
 }
 
-/// Moves the vertex without giving it velocity; what it still had against the surface is taken away.
-static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 position, uint32_t triangle,
-                     const double weights[3], Vec3 normal)
+void percale_guard_stop_approach(const PercalePair *pair, uint32_t slot, const PercaleCrossing *at,
+                                 Vec3 normal, float dt, f32x4 *velocity)
 {
-    const PercaleModel *model = stage->pair->model;
-    f32x4 before = stage->predicted[slot];
-    f32x4 after = f32x4_of(position, before[3]);
+    const PercaleModel *model = pair->model;
     Vec3 carried = {0.0, 0.0, 0.0}; // how the surface moved there
-    const uint32_t *corners = stage->pair->obstacle->triangles + 3 * (size_t)triangle;
+    const uint32_t *corners = pair->obstacle->triangles + 3 * (size_t)at->triangle;
     for (int k = 0; k < 3; k++) {
         Vec3 moved = vsub(vec3_of(model->predicted[corners[k]]), vec3_of(model->position[corners[k]]));
-        carried = vadd(carried, vscale(weights[k], moved));
+        carried = vadd(carried, vscale(at->weights[k], moved));
     }
-    double approach =
-        vdot(normal, vsub(vec3_of(stage->velocity[slot]), vscale(1.0 / (double)stage->dt, carried)));
+    double approach = vdot(normal, vsub(vec3_of(velocity[slot]), vscale(1.0 / (double)dt, carried)));
     if (approach < 0.0) {
-        stage->velocity[slot] -= f32x4_of(vscale(approach, normal), 0.0f);
+        velocity[slot] -= f32x4_of(vscale(approach, normal), 0.0f);
     }
+}
+
+/// Moves the vertex without giving it velocity; what it still had against the surface is taken away.
+static void put_back(const PercaleGuardStage *stage, uint32_t slot, Vec3 position, const PercaleCrossing *at,
+                     Vec3 normal)
+{
+    f32x4 before = stage->predicted[slot];
+    f32x4 after = f32x4_of(position, before[3]);
+    percale_guard_stop_approach(stage->pair, slot, at, normal, stage->dt, stage->velocity);
     stage->predicted[slot] = after;
     for (uint32_t o = 0; o < stage->judged_count;
          o++) { // it may be deep inside those: nothing is known any more
@@ -73,7 +78,7 @@ static bool stop_at_crossing(const PercaleGuardStage *stage, uint32_t slot, doub
     }
     Vec3 normal = percale_surface_face_normal(stage->surface, crossing.triangle);
     Vec3 impact = percale_surface_point(stage->surface, crossing.triangle, crossing.weights);
-    put_back(stage, slot, vadd(impact, vscale(gap, normal)), crossing.triangle, crossing.weights, normal);
+    put_back(stage, slot, vadd(impact, vscale(gap, normal)), &crossing, normal);
     return true;
 }
 
@@ -91,7 +96,9 @@ static void lift_out(const PercaleGuardStage *stage, uint32_t slot, double gap, 
     if (!was_in_front && rise > most) {
         position = vadd(point, vscale(most / rise, vsub(position, point)));
     }
-    put_back(stage, slot, position, nearest->triangle, nearest->closest.weights, outward);
+    const double *weights = nearest->closest.weights;
+    PercaleCrossing at = {nearest->triangle, 1.0, {weights[0], weights[1], weights[2]}};
+    put_back(stage, slot, position, &at, outward);
 }
 
 static void remember(const PercaleGuardStage *stage, uint32_t slot, const Judgement *judgement)

@@ -4,9 +4,9 @@
 //   in   final predicted positions, new velocities, the obstacle at the end pose, the active vertices
 //   out  both corrected (a correction is no velocity), clearances for the next substep
 //
-// A vertex that has crossed the surface, by its path or by its end, is put back before it, at a small gap.
-// Where two obstacles leave no room it may come to lie in an earlier one: that one finds it, and counts it,
-// in the next substep.
+// A vertex that has crossed the surface, by its path or by its end, is put back before it, at a small gap
+// (with ccd=exact path_guard.h has seen to the paths). Where two obstacles leave no room it may come to lie
+// in an earlier one: that one finds it, and counts it, in the next substep.
 
 #ifndef PERCALE_GUARD_H
 #define PERCALE_GUARD_H
@@ -22,7 +22,7 @@ typedef struct PercaleGuardStage {
     f32x4 *predicted; // [slot_count] corrected in place
     f32x4 *velocity;  // [slot_count] m/s, too
     float dt;         // s
-    bool test_paths;  // ccd is on
+    bool test_paths;  // ccd=ray
     PercaleProximity *
         judged; // [judged_count] of the obstacles that have been before: what this one moves, they don't know
     uint32_t judged_count;
@@ -36,5 +36,9 @@ typedef struct PercaleGuardCounts {
 } PercaleGuardCounts;
 
 PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage);
+
+/// Takes away what of the vertex's velocity goes against the surface at this place of it, relative to it.
+void percale_guard_stop_approach(const PercalePair *pair, uint32_t slot, const PercaleCrossing *at,
+                                 Vec3 normal, float dt, f32x4 *velocity);
 
 #endif

@@ -26,7 +26,7 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
     [PERCALE_SET_REUSE] = {{"reuse", PERCALE_SETTING_CHOICE, {PERCALE_REUSE_AUTO}, 0, PERCALE_REUSE_ALWAYS, "", "auto|always",
         "auto: contact candidates are kept while they hold; always: never"}, "detection without reuse", PERCALE_REUSE_ALWAYS},
     [PERCALE_SET_CCD] = {{"ccd", PERCALE_SETTING_CHOICE, {PERCALE_CCD_RAY}, 0, PERCALE_CCD_EXACT, "", "off|ray|exact",
-        "swept tests: rays for cloth vertices and obstacles; exact: conservative ones for all pairs of the cloth, too"}, NULL, 0},
+        "swept tests: rays for cloth vertices and obstacles; exact: conservative ones for these and for cloth and cloth"}, NULL, 0},
     [PERCALE_SET_HERMITE] = {{"hermite", PERCALE_SETTING_SWITCH, {0}, 0, 1, "", NULL,
         "moving obstacles go along cubics through their frames, not along straight lines"}, NULL, 0},
     [PERCALE_SET_EE] = {{"ee", PERCALE_SETTING_SWITCH, {0}, 0, 1, "", NULL,
