@@ -316,13 +316,13 @@ END_TEST
 // far away. Its path tells in time: there is nothing to put back.
 START_TEST(between_two_passes_nothing_gets_through_either)
 {
-    static const PercaleCcd CCD[] = {PERCALE_CCD_RAY, PERCALE_CCD_OFF};
+    static const PercaleCcd CCD[] = {PERCALE_CCD_RAY, PERCALE_CCD_OFF, PERCALE_CCD_EXACT};
     float start[3 * PARTICLES];
     float velocity[3 * PARTICLES];
     const double low[3] = {-1.0, 0.01, -1.0};
     const double high[3] = {1.0, 4.9, 1.0};
     const double none[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         scatter(low, high, none, start, velocity);
         PercaleSolverDef def = weightless(20);
         def.gravity[1] = -8000.0f; // 1 m in the first step, 3 in the second
