@@ -193,21 +193,46 @@ static bool list_points(const Items *items, PercaleBlockLister *lister, PercaleM
     return complete;
 }
 
+static PercaleQuery query_of(const PercaleCandidates *candidates, const Items *items, uint32_t place)
+{
+    const PercaleModel *model = candidates->model;
+    const PercaleModelSurface *mesh = items->list->mesh;
+    PercaleQuery query;
+    points_of_item(items, place, query.points);
+    bool is_cloth = mesh == &model->cloth;
+    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
+    query.reach = widest_reach(candidates, thickness);
+    return query;
+}
+
+/// What the items of a list are asked as. False without memory.
+static bool list_queries(const PercaleCandidates *candidates, const Items *items, PercaleMemory *memory)
+{
+    PercaleQuery *queries = percale_memory_new(memory, items->count, sizeof(queries[0]));
+    items->list->queries = queries;
+    for (uint32_t place = 0; queries != NULL && place < items->count; place++) {
+        queries[place] = query_of(candidates, items, place);
+    }
+    return queries != NULL;
+}
+
 static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBlockLister *lister,
                           PercaleMemory *memory)
 {
     const PercaleModel *model = candidates->model;
     PercaleCandidateList *lists = candidates->lists;
     Items slots = items_of(candidates, &lists[0], false);
+    Items cloth_edges = items_of(candidates, &lists[1], true);
     bool complete = cut_list(&slots, 0, memory) && cut_cloth_edges(&lists[1], &lists[0], memory) &&
-                    list_points(&slots, lister, memory);
+                    list_points(&slots, lister, memory) && list_queries(candidates, &slots, memory) &&
+                    list_queries(candidates, &cloth_edges, memory);
     for (uint32_t i = 2; complete && candidates->obstacles && i < candidates->list_count; i++) {
         bool of_edges = i % 2 == 1;
         if (edges || !of_edges) {
             complete = order_items(&lists[i], of_edges, model->position, memory);
             Items items = items_of(candidates, &lists[i], of_edges);
-            complete =
-                complete && cut_list(&items, lister->count, memory) && list_points(&items, lister, memory);
+            complete = complete && cut_list(&items, lister->count, memory) &&
+                       list_points(&items, lister, memory) && list_queries(candidates, &items, memory);
         }
     }
     complete = complete && percale_blocks_create(&candidates->blocks, lister, lists[0].block_count,
@@ -251,6 +276,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
         percale_memory_free(memory, list->first_pair);
         percale_memory_free(memory, list->first_item);
         percale_memory_free(memory, list->order);
+        percale_memory_free(memory, list->queries);
     }
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->spent.blocks);
@@ -343,41 +369,46 @@ PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates,
                                  .to = model->predicted};
 }
 
-bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
-                               PercaleCollector *collector)
+/// Those of some pairs, all of one block, that can be within reach of each other now, as the collector's
+/// `touched`. False without memory.
+static bool select_pairs(const PercaleVisiting *visiting, const PercaleItemPair *pairs, size_t count,
+                         float moved, PercaleCollector *collector)
 {
+    const PercaleQuery *queries = visiting->candidates->lists[visiting->list].queries;
     PercaleItemPairList *touched = &collector->touched;
     touched->count = 0;
     if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, count,
                                 sizeof(pairs[0]))) {
         return false;
     }
+    size_t selected = 0;
     for (size_t i = 0; i < count; i++) {
-        if (pairs[i].distance <= reach + moved) {
-            touched->items[touched->count++] = pairs[i];
-        }
+        float reach = visiting->hood.only_passing ? 0.0f : queries[pairs[i].place].reach;
+        touched->items[selected] = pairs[i];
+        selected += pairs[i].distance <= reach + moved;
     }
+    touched->count = selected;
     return true;
 }
 
-/// The pairs of one item.
-static void visit_item(const PercaleVisiting *visiting, PercaleCollector *collector,
-                       const PercaleItemPair *pairs, size_t count, float moved)
+/// Some pairs of a block: all of some items.
+static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *collector,
+                        const PercaleItemPair *pairs, size_t count, float moved)
 {
-    const PercaleCandidates *candidates = visiting->candidates;
-    const PercaleCandidateList *list = &candidates->lists[visiting->list];
-    uint32_t item = list->order != NULL ? list->order[pairs->place] : pairs->place;
-    PercaleQuery query = percale_candidate_query(candidates, list->mesh, visiting->hood.arity == 2, item);
-    query.reach = visiting->only_passing ? 0.0f : query.reach;
-    collector->neighbors.count = 0;
-    bool complete =
-        percale_candidates_select(pairs, count, query.reach, moved, collector) &&
-        percale_neighbors_find(&visiting->hood, &query, collector->touched.items, collector->touched.count,
-                               &collector->memory, &collector->neighbors);
-    collector->candidates += collector->touched.count;
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    const PercaleItemPairList *touched = &collector->touched;
+    PercaleNeighborList *found = &collector->found;
+    found->count = 0;
+    bool complete = select_pairs(visiting, pairs, count, moved, collector) &&
+                    percale_neighbors_find(&visiting->hood, list->queries, touched->items, touched->count,
+                                           &collector->memory, found);
+    collector->candidates += touched->count;
     collector->complete = collector->complete && complete;
-    if (complete && collector->neighbors.count > 0) {
-        visiting->visit(visiting->context, collector, &query, pairs->place, item);
+    collector->neighbors = (PercaleNeighborList){.items = found->items};
+    while (collector->complete && percale_candidates_next(collector)) {
+        uint32_t place = collector->neighbors.items[0].place;
+        visiting->visit(visiting->context, collector, &list->queries[place], place,
+                        list->order != NULL ? list->order[place] : place);
     }
 }
 
@@ -397,25 +428,29 @@ static uint32_t block_of_pair(const PercaleCandidateList *list, uint64_t pair)
     return low;
 }
 
+/// The first pair from this one on that begins an item.
+static size_t begin_of_item(const PercaleItemPairList *pairs, size_t i)
+{
+    while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
+        i++;
+    }
+    return i;
+}
+
 void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
                               uint64_t end)
 {
     const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     uint32_t b = first < end ? block_of_pair(list, first) : list->block_count;
-    for (; b < list->block_count && list->first_pair[b] < end; b++) {
+    for (; collector->complete && b < list->block_count && list->first_pair[b] < end; b++) {
         const PercaleItemPairList *pairs = &list->pairs[b];
-        float moved = visiting->candidates->blocks.items[list->first_block + b].moved;
-        size_t i = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
-        while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
-            i++;
-        }
-        while (collector->complete && i < pairs->count && list->first_pair[b] + i < end) {
-            size_t next = i + 1;
-            while (next < pairs->count && pairs->items[next].place == pairs->items[i].place) {
-                next++;
-            }
-            visit_item(visiting, collector, pairs->items + i, next - i, moved);
-            i = next;
+        size_t from = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
+        size_t to = end - list->first_pair[b] < pairs->count ? end - list->first_pair[b] : pairs->count;
+        from = begin_of_item(pairs, from);
+        to = begin_of_item(pairs, to);
+        if (from < to) {
+            visit_pairs(visiting, collector, pairs->items + from, to - from,
+                        visiting->candidates->blocks.items[list->first_block + b].moved);
         }
     }
 }
@@ -455,28 +490,12 @@ void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleColl
     size_t first = find_place(&list->pairs[b], place);
     size_t end = find_place(&list->pairs[b], place + 1);
     if (first < end) {
-        visit_item(visiting, collector, list->pairs[b].items + first, end - first,
-                   visiting->candidates->blocks.items[list->first_block + b].moved);
+        visit_pairs(visiting, collector, list->pairs[b].items + first, end - first,
+                    visiting->candidates->blocks.items[list->first_block + b].moved);
     }
 }
 
 // ---- what a pair is ----
-
-PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
-                                     bool edge, uint32_t item)
-{
-    const PercaleModel *model = candidates->model;
-    uint32_t first = mesh->first_point;
-    PercaleQuery query = {.points = {first + item, first + item}};
-    if (edge) {
-        query.points[0] = first + mesh->edges.vertices[item][0];
-        query.points[1] = first + mesh->edges.vertices[item][1];
-    }
-    bool is_cloth = mesh == &model->cloth;
-    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
-    query.reach = widest_reach(candidates, thickness);
-    return query;
-}
 
 bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t points[2], const uint32_t *corners,
                                  uint32_t corner_count)

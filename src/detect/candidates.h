@@ -24,6 +24,7 @@ static const float CONTACT_REACH = 1.5f;
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
     uint32_t *order;                 // [items] along a curve; NULL: as they are
+    PercaleQuery *queries;           // [items] by place
     uint32_t first_block, block_count;
     uint32_t *first_item;       // [block_count + 1] places in the order
     PercaleItemPairList *pairs; // [block_count]
@@ -83,6 +84,20 @@ bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t po
 /// The smallest reach of any pair, m.
 float percale_candidates_least_reach(const PercaleCandidates *candidates);
 
+/// Moves the collector's neighbours on to those of the next item for which some are found; false: that was
+/// the last.
+static inline bool percale_candidates_next(PercaleCollector *collector)
+{
+    PercaleNeighborList *item = &collector->neighbors;
+    PercaleNeighbor *end = collector->found.items + collector->found.count;
+    item->items += item->count;
+    item->count = 0;
+    while (item->items + item->count < end && item->items[item->count].place == item->items[0].place) {
+        item->count++;
+    }
+    return item->count > 0;
+}
+
 /// An item that something is near, with its neighbours as the collector's.
 typedef void PercaleVisit(const void *context, PercaleCollector *collector, const PercaleQuery *query,
                           uint32_t place, uint32_t item);
@@ -92,7 +107,6 @@ typedef struct PercaleVisiting {
     const PercaleCandidates *candidates;
     uint32_t list;
     PercaleNeighborhood hood;
-    bool only_passing; // else those within reach, too
     PercaleVisit *visit;
     const void *context;
 } PercaleVisiting;
@@ -104,14 +118,5 @@ void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector 
 /// Visits the item at this place of the list's order, if it has pairs.
 void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleCollector *collector,
                                     uint32_t place);
-
-/// Those pairs of one item, all of them of one block, that can be within `reach` of each other now, as the
-/// collector's `touched`. False without memory.
-bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
-                               PercaleCollector *collector);
-
-/// An item of a list, as a query; `edge`: else a vertex.
-PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
-                                     bool edge, uint32_t item);
 
 #endif
