@@ -177,6 +177,16 @@ static inline WidePoints transpose_pairs(const f32x8 pairs[4])
                         SHUFFLE_HALVES(zw_low, zw_high, 0, 1, 4, 5)};
 }
 
+/// Eight points by number.
+static inline WidePoints gather_points(const f32x4 *x, const uint32_t numbers[WIDE])
+{
+    f32x8 pairs[4];
+    for (uint32_t k = 0; k < 4; k++) {
+        pairs[k] = pair_of_points(x[numbers[k]], x[numbers[k + 4]]);
+    }
+    return transpose_pairs(pairs);
+}
+
 /// Back: eight points, given by component, as four pairs.
 static inline void transpose_points(const WidePoints *points, f32x8 w, f32x8 pairs[4])
 {

@@ -9,6 +9,7 @@ typedef struct Search {
     PercaleNeighborhood hood;
     const PercaleTree *tree;
     const uint32_t *spent; // blocks of the list
+    float farthest;        // m, that a pair's bound may be
 } Search;
 
 /// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
@@ -130,11 +131,20 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     return complete;
 }
 
+/// Room for that many pairs.
+static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, PercaleMemory *memory)
+{
+    return percale_memory_reserve(memory, &pairs->items, &pairs->capacity, count, sizeof(pairs->items[0])) &&
+           percale_memory_reserve(memory, &pairs->bounds, &pairs->bound_capacity, count,
+                                  sizeof(pairs->bounds[0]));
+}
+
 /// Finds the pairs of a block's items.
 static bool find_block(const Search *search, PercaleCollector *collector, uint32_t b)
 {
+    const PercaleCandidates *candidates = search->candidates;
     const PercaleCandidateList *list = search->list;
-    PercaleItemPairList *pairs = &list->pairs[b];
+    PercaleBlockPairs *pairs = &list->pairs[b];
     uint32_t end = list->first_item[b + 1];
     bool complete = true;
     collector->pairs.count = 0;
@@ -143,14 +153,17 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
     }
     size_t count = collector->pairs.count;
     pairs->count = 0;
-    complete = complete && collector->complete &&
-               percale_memory_reserve(&collector->memory, &pairs->items, &pairs->capacity, count,
-                                      sizeof(pairs->items[0]));
-    if (complete && count > 0) {
-        memcpy(pairs->items, collector->pairs.items, count * sizeof(pairs->items[0]));
-        pairs->count = count;
+    pairs->lost = 0.0f;
+    if (!complete || !collector->complete || !reserve_pairs(pairs, count, &collector->memory)) {
+        return false;
     }
-    return complete;
+    float since = candidates->bounded ? 0.0f : candidates->blocks.items[list->first_block + b].drifted;
+    for (size_t i = 0; i < count; i++) {
+        pairs->items[i] = collector->pairs.items[i];
+        pairs->bounds[i] = fminf(pairs->items[i].distance, search->farthest) - since;
+    }
+    pairs->count = count;
+    return true;
 }
 
 enum { BLOCK_WORK = 64 }; // a block is as much to look for as so many items
@@ -204,7 +217,8 @@ bool percale_candidates_search(PercaleCandidates *candidates, const PercaleCandi
                          {primitives[kind], trees[kind]->arity, stage->from, stage->to, candidates->margin,
                           false, stage->all_near, true},
                          trees[kind],
-                         NULL};
+                         NULL,
+                         list->widest + candidates->margin};
         uint64_t count = spent_of(candidates, list, &search.spent);
         complete = percale_collect(stage->team, count * BLOCK_WORK, find_blocks, &search, stage->collectors,
                                    stage->memory, &(PercaleCollected){0});

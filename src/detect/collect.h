@@ -36,7 +36,8 @@ typedef struct PercaleCollector {
     _Alignas(64) PercaleFeatureList features; // scratch of one item
     PercaleNodeList nodes;                    // too
     PercaleItemPairList touched;              // of some items
-    PercaleNeighborList found;                // too
+    PercaleNodeList numbers;                  // theirs, among the pairs of their block
+    PercaleNeighborList found;                // of some items
     PercaleNeighborList neighbors;            // of one item: a part of those found
     PercaleStencilList stencils;
     PercaleNoteList notes;

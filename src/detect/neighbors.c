@@ -41,16 +41,6 @@ static inline WidePoints cross(WidePoints a, WidePoints b)
     return (WidePoints){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Eight points by number.
-static inline WidePoints load_points(const f32x4 *x, const uint32_t points[EIGHT])
-{
-    f32x8 pairs[4];
-    for (uint32_t k = 0; k < 4; k++) {
-        pairs[k] = pair_of_points(x[points[k]], x[points[k + 4]]);
-    }
-    return transpose_pairs(pairs);
-}
-
 static inline f32x8 min8(f32x8 a, f32x8 b)
 {
     return select8(greater8(b, a), a, b);
@@ -184,9 +174,9 @@ static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eig
                                const WidePoints own[2], const WidePoints corners[3], f32x8 *moved)
 {
     WidePoints starts[2];
-    starts[0] = starts[1] = load_points(hood->from, eight->own[0]);
+    starts[0] = starts[1] = gather_points(hood->from, eight->own[0]);
     if (arity == 2) {
-        starts[1] = load_points(hood->from, eight->own[1]);
+        starts[1] = gather_points(hood->from, eight->own[1]);
     }
     WidePoints carried = minus(own[0], starts[0]);
     WidePoints begin = plus(starts[1], all8(1.0f), carried);
@@ -197,7 +187,7 @@ static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eig
     Boxes other = {corners[0], corners[0]};
     f32x8 farthest2 = all8(0.0f);
     for (uint32_t corner = 0; corner < arity; corner++) {
-        WidePoints from = plus(load_points(hood->from, eight->corners[corner]), all8(1.0f), carried);
+        WidePoints from = plus(gather_points(hood->from, eight->corners[corner]), all8(1.0f), carried);
         WidePoints way = minus(corners[corner], from);
         farthest2 = max8(farthest2, dot(way, way));
         other.low = least_of(other.low, least_of(corners[corner], from));
@@ -219,13 +209,13 @@ static inline void ask_eight(const PercaleNeighborhood *hood, const Eight *eight
 {
     WidePoints own[2];
     WidePoints corners[3];
-    own[0] = own[1] = load_points(hood->to, eight->own[0]);
+    own[0] = own[1] = gather_points(hood->to, eight->own[0]);
     for (uint32_t corner = 0; corner < arity; corner++) {
-        corners[corner] = load_points(hood->to, eight->corners[corner]);
+        corners[corner] = gather_points(hood->to, eight->corners[corner]);
     }
     Distances distances;
     if (arity == 2) {
-        own[1] = load_points(hood->to, eight->own[1]);
+        own[1] = gather_points(hood->to, eight->own[1]);
         distances =
             between_edges(minus(own[1], own[0]), minus(corners[1], corners[0]), minus(own[0], corners[0]));
     } else {
@@ -252,7 +242,7 @@ static void ask_edges(const PercaleNeighborhood *hood, const Eight *eight, Asked
 }
 
 bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
-                            const PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
+                            PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list)
 {
     if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + count,
@@ -267,6 +257,9 @@ bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery 
             ask_edges(hood, &eight, &asked);
         } else {
             ask_faces(hood, &eight, &asked);
+        }
+        for (size_t k = 0; k < EIGHT && i + k < count; k++) {
+            pairs[i + k].distance = asked.distance[k];
         }
         uint32_t present = count - i < EIGHT ? (1u << (count - i)) - 1 : 0xff;
         uint32_t bits = present & (hood->all_near ? 0xff : asked.near | asked.passing);

@@ -29,7 +29,7 @@ typedef struct PercaleNeighborList {
 /// have no point in common.
 typedef struct PercaleItemPair {
     uint32_t place, primitive;
-    float distance; // m, when they were found
+    float distance; // m, when they were found or asked
 } PercaleItemPair;
 
 typedef struct PercaleItemPairList {
@@ -54,10 +54,10 @@ typedef struct PercaleQuery {
     float reach; // m
 } PercaleQuery;
 
-/// The neighbours among `count` pairs, in their order, appended to the list. `queries`: by place. False
-/// without memory.
+/// The neighbours among `count` pairs, in their order, appended to the list; each pair's distance becomes
+/// that of now. `queries`: by place. False without memory.
 bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
-                            const PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
+                            PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list);
 
 #endif
