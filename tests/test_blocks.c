@@ -8,7 +8,7 @@
 
 enum { BLOCKS = 12, CLOTH_BLOCKS = 9, BLOCK_POINTS = 10, POINTS = BLOCKS * BLOCK_POINTS, STEPS = 300 };
 static const float REACH = 0.05f; // m
-static const float FAR = 0.08f;   // m
+static const float FAR = 0.2f;    // m
 
 /// Blocks of points that move at random, and where the points were when each block's moment began.
 typedef struct Swarm {

@@ -11,10 +11,6 @@
 
 #include "base/simd.h"
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
 enum { WIDE = 8 };
 
 #if defined(__AVX__)

@@ -41,11 +41,6 @@ static inline WidePoints cross(WidePoints a, WidePoints b)
     return (WidePoints){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-static inline f32x8 min8(f32x8 a, f32x8 b)
-{
-    return select8(greater8(b, a), a, b);
-}
-
 /// Into [0, 1].
 static inline f32x8 clamp8(f32x8 a)
 {
