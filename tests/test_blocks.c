@@ -8,6 +8,7 @@
 
 enum { BLOCKS = 12, CLOTH_BLOCKS = 9, BLOCK_POINTS = 10, POINTS = BLOCKS * BLOCK_POINTS, STEPS = 300 };
 static const float REACH = 0.05f; // m
+static const float FAR = 0.2f;    // m
 
 /// Blocks of points that move at random, and where the points were when each block's moment began.
 typedef struct Swarm {
@@ -16,6 +17,7 @@ typedef struct Swarm {
     PercaleBlocks blocks;
     f32x4 from[POINTS], to[POINTS];
     f32x4 then[BLOCKS][POINTS];
+    bool remember;
     uint64_t seed;
 } Swarm;
 
@@ -59,7 +61,8 @@ static void close_swarm(Swarm *swarm)
 static void begin(Swarm *swarm, uint32_t *listed, uint32_t count, float most)
 {
     PercaleBlockList list = {listed, count};
-    percale_blocks_begin(&swarm->blocks, &list, swarm->from, swarm->to, most, REACH, percale_team_alone());
+    percale_blocks_begin(&swarm->blocks, &list, swarm->from, swarm->to, most, (PercaleBlockReach){REACH, FAR},
+                         percale_team_alone());
     for (uint32_t i = 0; i < count; i++) {
         memcpy(swarm->then[listed[i]], swarm->to, sizeof(swarm->to));
     }
@@ -67,8 +70,8 @@ static void begin(Swarm *swarm, uint32_t *listed, uint32_t count, float most)
 
 static void look(Swarm *swarm)
 {
-    percale_blocks_measure(&swarm->blocks, swarm->from, swarm->to, percale_team_alone());
-    percale_blocks_compare(&swarm->blocks, 0, BLOCKS, REACH, percale_team_alone());
+    percale_blocks_measure(&swarm->blocks, swarm->from, swarm->to, swarm->remember, percale_team_alone());
+    percale_blocks_compare(&swarm->blocks, 0, BLOCKS, (PercaleBlockReach){REACH, FAR}, percale_team_alone());
 }
 
 /// How far points of two blocks have moved against each other since the first one's moment.
@@ -88,11 +91,11 @@ static float moved_against(const Swarm *swarm, uint32_t a, uint32_t b)
     return most;
 }
 
-static bool are_near(const Swarm *swarm, uint32_t a, uint32_t b)
+static bool are_near(const Swarm *swarm, uint32_t a, uint32_t b, float reach)
 {
     const PercaleBlock *blocks = swarm->blocks.items;
     f32x4 apart = max4(blocks[a].low - blocks[b].high, blocks[b].low - blocks[a].high);
-    return fmaxf(apart[0], fmaxf(apart[1], apart[2])) <= REACH;
+    return fmaxf(apart[0], fmaxf(apart[1], apart[2])) <= reach;
 }
 
 /// Each block has a motion of its own, turns to and fro, and trembles.
@@ -131,8 +134,8 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
         for (uint32_t a = 0; a < BLOCKS; a++) {
             float truth = 0.0f;
             for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
-                truth = are_near(&swarm, a, b) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
-                near_count += are_near(&swarm, a, b);
+                truth = are_near(&swarm, a, b, REACH) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
+                near_count += are_near(&swarm, a, b, REACH);
             }
             float said = swarm.blocks.items[a].moved;
             ck_assert_msg(said >= truth, "step %d, block %u: %g of %g m", step, a, (double)said,
@@ -149,7 +152,7 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
             float truth = 0.0f;
             for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
                 uint32_t a = listed[i];
-                truth = are_near(&swarm, a, b) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
+                truth = are_near(&swarm, a, b, REACH) ? fmaxf(truth, moved_against(&swarm, a, b)) : truth;
             }
             ck_assert(swarm.blocks.items[listed[i]].moved >= truth);
             moved[1] += (double)swarm.blocks.items[listed[i]].moved;
@@ -158,6 +161,59 @@ START_TEST(what_blocks_have_moved_is_never_more_than_they_say)
     ck_assert_uint_gt(near_count, 2 * BLOCKS * STEPS);
     ck_assert_msg(share > 0.2, "%g", share); // nor is it much less
     ck_assert(moved[1] < 0.7 * moved[0]);
+    close_swarm(&swarm);
+}
+END_TEST
+
+/// How far points of two blocks have moved against each other from one place to another.
+static float between_places(const Swarm *swarm, uint32_t a, uint32_t b, const f32x4 *before, const f32x4 *now)
+{
+    const PercaleBlocks *blocks = &swarm->blocks;
+    float most = 0.0f;
+    for (uint32_t i = blocks->first[a]; i < blocks->first[a + 1]; i++) {
+        for (uint32_t k = blocks->first[b]; k < blocks->first[b + 1]; k++) {
+            uint32_t p = blocks->points[i];
+            uint32_t q = blocks->points[k];
+            most = fmaxf(most, length3(now[p] - now[q] - (before[p] - before[q])));
+        }
+    }
+    return most;
+}
+
+/// Remembered at random, as between passes with looks ahead.
+START_TEST(what_has_turned_and_drifted_is_never_more_than_they_say)
+{
+    Swarm swarm;
+    open_swarm(&swarm);
+    f32x4 last[POINTS];
+    swarm.remember = true;
+    double shares[2] = {0.0, 0.0};
+    for (int step = 0; step < STEPS; step++) {
+        look(&swarm);
+        for (uint32_t a = 0; step > 0 && a < BLOCKS; a++) {
+            const PercaleBlock *block = &swarm.blocks.items[a];
+            float turned = 0.0f;
+            float drifted = 0.0f;
+            for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
+                if (are_near(&swarm, a, b, FAR)) {
+                    turned = fmaxf(turned, between_places(&swarm, a, b, swarm.from, swarm.to));
+                    drifted = fmaxf(drifted, between_places(&swarm, a, b, last, swarm.to));
+                }
+            }
+            ck_assert_msg(block->turned >= turned, "step %d, block %u: %g of %g m", step, a,
+                          (double)block->turned, (double)turned);
+            ck_assert_msg(block->drifted >= drifted, "step %d, block %u: %g of %g m", step, a,
+                          (double)block->drifted, (double)drifted);
+            shares[0] += (double)(turned / fmaxf(block->turned, 1e-9f)) / (BLOCKS * STEPS);
+            shares[1] += (double)(drifted / fmaxf(block->drifted, 1e-9f)) / (BLOCKS * STEPS);
+        }
+        if (swarm.remember) {
+            memcpy(last, swarm.to, sizeof(last));
+        }
+        swarm.remember = percale_test_random(&swarm.seed) < 0.5;
+        move(&swarm, step);
+    }
+    ck_assert_msg(shares[0] > 0.5 && shares[1] > 0.5, "%g %g", shares[0], shares[1]); // nor is it much less
     close_swarm(&swarm);
 }
 END_TEST
@@ -172,6 +228,7 @@ START_TEST(what_moves_alike_has_not_moved)
     }
     look(&swarm);
     begin(&swarm, all, BLOCKS, 0.0f);
+    swarm.remember = true;
     for (int step = 0; step < 10; step++) {
         memcpy(swarm.from, swarm.to, sizeof(swarm.to));
         for (uint32_t i = 0; i < POINTS; i++) {
@@ -179,7 +236,10 @@ START_TEST(what_moves_alike_has_not_moved)
         }
         look(&swarm);
         for (uint32_t b = 0; b < BLOCKS; b++) {
-            ck_assert(swarm.blocks.items[b].moved < 1e-3f); // a ten-thousandth of the way, for rounding
+            const PercaleBlock *block = &swarm.blocks.items[b];
+            ck_assert(block->moved < 1e-3f); // a ten-thousandth of the way, for rounding
+            ck_assert(block->turned < 1e-3f);
+            ck_assert(step == 0 || block->drifted < 1e-3f);
         }
     }
     close_swarm(&swarm);
@@ -191,6 +251,7 @@ int main(void)
     Suite *suite = suite_create("blocks");
     TCase *blocks = tcase_create("blocks");
     tcase_add_test(blocks, what_blocks_have_moved_is_never_more_than_they_say);
+    tcase_add_test(blocks, what_has_turned_and_drifted_is_never_more_than_they_say);
     tcase_add_test(blocks, what_moves_alike_has_not_moved);
     suite_add_tcase(suite, blocks);
     return percale_test_run(suite);

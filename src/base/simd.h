@@ -8,6 +8,9 @@
 
 #include <math.h>
 #include <stdint.h>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 typedef float f32x4 __attribute__((vector_size(16)));
 typedef float f32x8 __attribute__((vector_size(32)));
@@ -26,19 +29,28 @@ static inline float length3(f32x4 a)
     return sqrtf(dot3(a, a));
 }
 
-/// Smaller and larger of two by component, for numbers.
+/// Smaller and larger of two by component, for numbers. The machine's own instruction answers as the masks
+/// do: the first where it is smaller, else the second.
 static inline f32x4 min4(f32x4 a, f32x4 b)
 {
+#if defined(__SSE2__)
+    return (f32x4)_mm_min_ps((__m128)a, (__m128)b);
+#else
     typedef int32_t Mask __attribute__((vector_size(16)));
     Mask less = a < b;
     return (f32x4)(((Mask)a & less) | ((Mask)b & ~less));
+#endif
 }
 
 static inline f32x4 max4(f32x4 a, f32x4 b)
 {
+#if defined(__SSE2__)
+    return (f32x4)_mm_max_ps((__m128)a, (__m128)b);
+#else
     typedef int32_t Mask __attribute__((vector_size(16)));
     Mask more = a > b;
     return (f32x4)(((Mask)a & more) | ((Mask)b & ~more));
+#endif
 }
 
 /// x, y and z are numbers: 0 times each is 0, and not a number else.
@@ -95,11 +107,29 @@ static inline f32x8 all8(float a)
     return (f32x8){a, a, a, a, a, a, a, a};
 }
 
-/// Larger of two, by component; for numbers only.
+/// Larger and smaller of two, by component; for numbers only.
 static inline f32x8 max8(f32x8 a, f32x8 b)
 {
-    i32x8 mask = greater8(a, b);
-    return (f32x8)(((i32x8)a & mask) | ((i32x8)b & ~mask));
+#if defined(__AVX__)
+    return (f32x8)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    WideHalves left = {.whole = a};
+    WideHalves right = {.whole = b};
+    WideHalves most = {.half = {max4(left.half[0], right.half[0]), max4(left.half[1], right.half[1])}};
+    return most.whole;
+#endif
+}
+
+static inline f32x8 min8(f32x8 a, f32x8 b)
+{
+#if defined(__AVX__)
+    return (f32x8)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    WideHalves left = {.whole = a};
+    WideHalves right = {.whole = b};
+    WideHalves least = {.half = {min4(left.half[0], right.half[0]), min4(left.half[1], right.half[1])}};
+    return least.whole;
+#endif
 }
 
 /// One bit per lane of a comparison's result.

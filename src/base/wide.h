@@ -11,10 +11,6 @@
 
 #include "base/simd.h"
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
 enum { WIDE = 8 };
 
 #if defined(__AVX__)
@@ -175,6 +171,16 @@ static inline WidePoints transpose_pairs(const f32x8 pairs[4])
     return (WidePoints){SHUFFLE_HALVES(xy_low, xy_high, 0, 1, 4, 5),
                         SHUFFLE_HALVES(xy_low, xy_high, 2, 3, 6, 7),
                         SHUFFLE_HALVES(zw_low, zw_high, 0, 1, 4, 5)};
+}
+
+/// Eight points by number.
+static inline WidePoints gather_points(const f32x4 *x, const uint32_t numbers[WIDE])
+{
+    f32x8 pairs[4];
+    for (uint32_t k = 0; k < 4; k++) {
+        pairs[k] = pair_of_points(x[numbers[k]], x[numbers[k + 4]]);
+    }
+    return transpose_pairs(pairs);
 }
 
 /// Back: eight points, given by component, as four pairs.

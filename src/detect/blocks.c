@@ -1,5 +1,7 @@
 #include "detect/blocks.h"
 
+#include "base/wide.h"
+
 #include <string.h>
 
 // Of a sum or a difference of vectors, what float32 rounds away.
@@ -49,11 +51,12 @@ bool percale_blocks_create(PercaleBlocks *blocks, PercaleBlockLister *lister, ui
     lister->first = lister->points = NULL;
     blocks->items = percale_memory_new(memory, count, sizeof(blocks->items[0]));
     blocks->anchors = percale_memory_new(memory, lister->point_count, sizeof(f32x4));
+    blocks->lasts = percale_memory_new(memory, lister->point_count, sizeof(f32x4));
     blocks->moments = percale_memory_new(memory, (size_t)BLOCK_MOMENTS * count, sizeof(f32x4));
     blocks->corners = percale_memory_new(memory, 2 * (size_t)cloth_count, sizeof(f32x4));
     blocks->corner_pairs = percale_memory_new(memory, 2 * (size_t)cloth_count, sizeof(uint32_t));
-    if (blocks->items == NULL || blocks->anchors == NULL || blocks->moments == NULL ||
-        blocks->corners == NULL || blocks->corner_pairs == NULL) {
+    if (blocks->items == NULL || blocks->anchors == NULL || blocks->lasts == NULL ||
+        blocks->moments == NULL || blocks->corners == NULL || blocks->corner_pairs == NULL) {
         return false;
     }
     for (uint32_t b = 0; b < cloth_count; b++) {
@@ -77,6 +80,7 @@ void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory)
     percale_memory_free(memory, blocks->first);
     percale_memory_free(memory, blocks->points);
     percale_memory_free(memory, blocks->anchors);
+    percale_memory_free(memory, blocks->lasts);
     percale_memory_free(memory, blocks->moments);
     percale_memory_free(memory, blocks->corners);
     percale_memory_free(memory, blocks->corner_pairs);
@@ -90,8 +94,9 @@ void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory)
 typedef struct Measuring {
     PercaleBlocks *blocks;
     const f32x4 *ways[2]; // where they start and end
-    float most;           // m
-    float reach;          // m
+    bool remember;
+    float most;              // m
+    PercaleBlockReach reach; // m
     const uint32_t *listed;
 } Measuring;
 
@@ -100,26 +105,115 @@ static void measure_place(const PercaleBlocks *blocks, uint32_t b, const f32x4 *
 {
     PercaleBlock *block = &blocks->items[b];
     f32x4 sum = {0};
+    f32x4 low = block->low;
+    f32x4 high = block->high;
     for (uint32_t i = blocks->first[b]; i < blocks->first[b + 1]; i++) {
         f32x4 point = x[blocks->points[i]];
         sum += point;
-        block->low = min4(block->low, point);
-        block->high = max4(block->high, point);
+        low = min4(low, point);
+        high = max4(high, point);
     }
+    block->low = low;
+    block->high = high;
     block->centre[place] = sum / (float)(blocks->first[b + 1] - blocks->first[b]);
 }
 
+/// Squared, that far (x - before) deviates from what is carried.
+static inline f32x8 deviation2(WidePoints x, WidePoints before, f32x4 carried)
+{
+    WidePoints d = {x.x - before.x - carried[0], x.y - before.y - carried[1], x.z - before.z - carried[2]};
+    return (d.x * d.x + d.y * d.y) + d.z * d.z;
+}
+
+/// The farthest that any point deviates, and what float32 may have rounded away.
+static float deviation_of(f32x8 most2, f32x4 carried)
+{
+    float farthest2 = 0.0f;
+    for (uint32_t k = 0; k < WIDE; k++) {
+        farthest2 = larger(farthest2, most2[k]);
+    }
+    float most = sqrtf(farthest2);
+    return most + 4.0f * ROUNDED * (most + length3(carried));
+}
+
+/// Eight places from this one on in the lists of a block's points; beyond the block's end the last repeats.
+static inline void name_places(uint32_t first, uint32_t end, uint32_t places[WIDE])
+{
+    for (uint32_t k = 0; k < WIDE; k++) {
+        places[k] = first + k < end ? first + k : end - 1;
+    }
+}
+
+static inline void name_points(const PercaleBlocks *blocks, const uint32_t places[WIDE],
+                               uint32_t points[WIDE])
+{
+    for (uint32_t k = 0; k < WIDE; k++) {
+        points[k] = blocks->points[places[k]];
+    }
+}
+
+/// How far points deviate from their anchors at one end of their ways.
 static void measure_deviation(const PercaleBlocks *blocks, uint32_t b, const f32x4 *x, int place)
 {
     PercaleBlock *block = &blocks->items[b];
     f32x4 carried = block->centre[place] - block->anchor_centre;
-    float most2 = 0.0f;
-    for (uint32_t i = blocks->first[b]; i < blocks->first[b + 1]; i++) {
-        f32x4 deviation = x[blocks->points[i]] - blocks->anchors[i] - carried;
-        most2 = larger(most2, dot3(deviation, deviation));
+    uint32_t end = blocks->first[b + 1];
+    f32x8 most2 = all8(0.0f);
+    for (uint32_t i = blocks->first[b]; i < end; i += WIDE) {
+        uint32_t places[WIDE];
+        uint32_t points[WIDE];
+        name_places(i, end, places);
+        name_points(blocks, places, points);
+        most2 = max8(most2,
+                     deviation2(gather_points(x, points), gather_points(blocks->anchors, places), carried));
     }
-    float most = sqrtf(most2);
-    block->deviation[place] = most + 4.0f * ROUNDED * (most + length3(carried));
+    block->deviation[place] = deviation_of(most2, carried);
+}
+
+/// How far a centre goes, with how far any point deviates from that; twice what a sum of these rounds away.
+static f32x4 with_deviation(f32x4 carried, f32x8 most2)
+{
+    float deviation = deviation_of(most2, carried);
+    return with_w(carried, deviation + 2.0f * ROUNDED * (length3(carried) + deviation));
+}
+
+/// All that points deviate on their ways, from their anchors and from where they were last.
+static void measure_deviations(const Measuring *measuring, uint32_t b)
+{
+    const PercaleBlocks *blocks = measuring->blocks;
+    PercaleBlock *block = &blocks->items[b];
+    const f32x4 from_anchors[2] = {block->centre[0] - block->anchor_centre,
+                                   block->centre[1] - block->anchor_centre};
+    f32x4 way = block->centre[1] - block->centre[0];
+    f32x4 drift = block->centre[1] - block->last_centre;
+    uint32_t end = blocks->first[b + 1];
+    f32x8 most2[4] = {all8(0.0f), all8(0.0f), all8(0.0f), all8(0.0f)};
+    for (uint32_t i = blocks->first[b]; i < end; i += WIDE) {
+        uint32_t places[WIDE];
+        uint32_t points[WIDE];
+        name_places(i, end, places);
+        name_points(blocks, places, points);
+        WidePoints start = gather_points(measuring->ways[0], points);
+        WidePoints now = gather_points(measuring->ways[1], points);
+        WidePoints anchor = gather_points(blocks->anchors, places);
+        most2[0] = max8(most2[0], deviation2(start, anchor, from_anchors[0]));
+        most2[1] = max8(most2[1], deviation2(now, anchor, from_anchors[1]));
+        most2[2] = max8(most2[2], deviation2(now, start, way));
+        most2[3] = max8(most2[3], deviation2(now, gather_points(blocks->lasts, places), drift));
+    }
+    block->deviation[0] = deviation_of(most2[0], from_anchors[0]);
+    block->deviation[1] = deviation_of(most2[1], from_anchors[1]);
+    block->way = with_deviation(way, most2[2]);
+    block->drift = with_deviation(drift, most2[3]);
+}
+
+static void remember(const Measuring *measuring, uint32_t b)
+{
+    const PercaleBlocks *blocks = measuring->blocks;
+    for (uint32_t i = blocks->first[b]; i < blocks->first[b + 1]; i++) {
+        blocks->lasts[i] = measuring->ways[1][blocks->points[i]];
+    }
+    blocks->items[b].last_centre = blocks->items[b].centre[1];
 }
 
 static void measure_range(void *context, uint32_t first, uint32_t end)
@@ -132,8 +226,10 @@ static void measure_range(void *context, uint32_t first, uint32_t end)
         for (int place = 0; place < 2; place++) {
             measure_place(blocks, b, measuring->ways[place], place);
         }
-        measure_deviation(blocks, b, measuring->ways[0], 0);
-        measure_deviation(blocks, b, measuring->ways[1], 1);
+        measure_deviations(measuring, b);
+        if (measuring->remember) {
+            remember(measuring, b);
+        }
         if (b < blocks->cloth_count) {
             blocks->corners[2 * b] = block->low;
             blocks->corners[2 * b + 1] = block->high;
@@ -141,9 +237,10 @@ static void measure_range(void *context, uint32_t first, uint32_t end)
     }
 }
 
-void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, PercaleTeam *team)
+void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, bool remember,
+                            PercaleTeam *team)
 {
-    Measuring measuring = {.blocks = blocks, .ways = {from, to}};
+    Measuring measuring = {.blocks = blocks, .ways = {from, to}, .remember = remember};
     percale_team_for(team, blocks->count, GRAIN_BLOCKS, measure_range, &measuring);
     percale_tree_refit(&blocks->tree, blocks->corner_pairs, blocks->corners, team);
 }
@@ -169,41 +266,70 @@ static float moved_against(const PercaleBlocks *blocks, uint32_t a, uint32_t b)
     return most;
 }
 
-/// How far a block has moved against the blocks of the cloth that are near it on its way.
-static float find_moved(const PercaleBlocks *blocks, uint32_t a, float reach)
+/// Of two vectors with a deviation each: how far apart their ends may be.
+static inline float between_ways(f32x4 a, f32x4 b)
+{
+    return length3(a - b) + a[3] + b[3];
+}
+
+/// Compares a block with some that are not far from it, and with those of them that are near.
+static void compare_with(PercaleBlocks *blocks, uint32_t a, const uint32_t *others, uint32_t far,
+                         uint32_t near)
+{
+    PercaleBlock *block = &blocks->items[a];
+    for (; far != 0; far &= far - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(far);
+        const PercaleBlock *other = &blocks->items[others[k]];
+        block->turned = larger(block->turned, between_ways(block->way, other->way));
+        block->drifted = larger(block->drifted, between_ways(block->drift, other->drift));
+        if ((near >> k & 1) != 0) {
+            block->moved = larger(block->moved, moved_against(blocks, a, others[k]));
+        }
+    }
+}
+
+static f32x4 reaching(float reach)
+{
+    return (f32x4){reach, reach, reach, 0.0f};
+}
+
+/// How far a block has moved against the blocks of the cloth that are near it on its way, or not far.
+static void find_moved(PercaleBlocks *blocks, uint32_t a, PercaleBlockReach reach)
 {
     const PercaleTree *tree = &blocks->tree;
-    const f32x4 wider = {reach, reach, reach, 0.0f};
-    f32x4 low = blocks->items[a].low - wider;
-    f32x4 high = blocks->items[a].high + wider;
+    PercaleBlock *block = &blocks->items[a];
+    f32x4 low = block->low - reaching(reach.far);
+    f32x4 high = block->high + reaching(reach.far);
     PercaleTreeEntry stack[TREE_STACK];
     uint32_t size = 0;
-    float most = 0.0f;
+    block->moved = block->turned = block->drifted = 0.0f;
     stack[size++] = tree_root(tree);
     while (size > 0) {
         PercaleTreeEntry entry = stack[--size];
-        uint32_t bits = lane_bits(tree_box_overlaps(tree_node(tree, entry), low, high));
+        const PercaleTreeNode *node = tree_node(tree, entry);
+        uint32_t bits = lane_bits(tree_box_overlaps(node, low, high));
+        if (entry.level == 0) {
+            i32x8 near = tree_box_overlaps(node, block->low - reaching(reach.near),
+                                           block->high + reaching(reach.near));
+            compare_with(blocks, a, tree->order + (size_t)TREE_WIDTH * entry.node, bits, lane_bits(near));
+            continue;
+        }
         for (; bits != 0; bits &= bits - 1) {
-            uint32_t child = TREE_WIDTH * entry.node + (uint32_t)__builtin_ctz(bits);
-            if (entry.level > 0) {
-                stack[size++] = (PercaleTreeEntry){entry.level - 1, child};
-            } else {
-                most = larger(most, moved_against(blocks, a, tree->order[child]));
-            }
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
+            stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
         }
     }
-    return most;
 }
 
 static void compare_range(void *context, uint32_t first, uint32_t end)
 {
     const Measuring *measuring = context;
     for (uint32_t a = first; a < end; a++) {
-        measuring->blocks->items[a].moved = find_moved(measuring->blocks, a, measuring->reach);
+        find_moved(measuring->blocks, a, measuring->reach);
     }
 }
 
-void percale_blocks_compare(PercaleBlocks *blocks, uint32_t first, uint32_t end, float reach,
+void percale_blocks_compare(PercaleBlocks *blocks, uint32_t first, uint32_t end, PercaleBlockReach reach,
                             PercaleTeam *team)
 {
     Measuring measuring = {.blocks = blocks, .reach = reach};
@@ -259,13 +385,12 @@ static void compare_listed(void *context, uint32_t first, uint32_t end)
 {
     const Measuring *measuring = context;
     for (uint32_t i = first; i < end; i++) {
-        uint32_t a = measuring->listed[i];
-        measuring->blocks->items[a].moved = find_moved(measuring->blocks, a, measuring->reach);
+        find_moved(measuring->blocks, measuring->listed[i], measuring->reach);
     }
 }
 
 void percale_blocks_begin(PercaleBlocks *blocks, const PercaleBlockList *listed, const f32x4 *from,
-                          const f32x4 *to, float most, float reach, PercaleTeam *team)
+                          const f32x4 *to, float most, PercaleBlockReach reach, PercaleTeam *team)
 {
     Measuring measuring = {
         .blocks = blocks, .ways = {from, to}, .most = most, .reach = reach, .listed = listed->blocks};

@@ -12,6 +12,9 @@
 // whether the two were near each other then or not. A block's deviation is measured from places of its own,
 // its anchors. Its spread since a moment is how far it had deviated from its anchors then, how far at each
 // change of them since, and how far it does now.
+//
+// Besides, all blocks count from the last time that they were remembered: for what is asked in every substep
+// and known to move little in one.
 
 #ifndef PERCALE_BLOCKS_H
 #define PERCALE_BLOCKS_H
@@ -28,6 +31,11 @@ typedef struct PercaleBlock {
     float deviation[2];  // m, of any of its points from its anchor, the centre's motion apart, at most
     uint32_t moment;     // from which it counts
     float moved;         // m, since then, its points against any near them on these ways, at most
+    f32x4 last_centre;   // m, when last remembered
+    f32x4 way, drift;    // m, of its centre on these ways, and to their ends since last remembered; [3]: more
+                         // of any of its points, at most
+    float turned;        // m, on these ways, its points against any not far from them, at most
+    float drifted;       // m, to their ends since last remembered, the same
 } PercaleBlock;
 
 typedef struct PercaleBlocks {
@@ -36,6 +44,7 @@ typedef struct PercaleBlocks {
     uint32_t *first;  // [count + 1] into points and anchors
     uint32_t *points; // of each block
     f32x4 *anchors;   // of each point
+    f32x4 *lasts;     // of each point, where it was when last remembered
     f32x4 *moments;   // [BLOCK_MOMENTS * count] by block: its centre, and its spread until now without its
                       // deviation of now in [3]
     uint32_t newest;  // of the moments
@@ -61,12 +70,18 @@ bool percale_blocks_create(PercaleBlocks *blocks, PercaleBlockLister *lister, ui
                            const f32x4 *x, PercaleMemory *memory);
 void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory);
 
-/// Boxes, centres and deviations on these ways.
-void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, PercaleTeam *team);
+/// Boxes, centres and deviations on these ways. `remember`: from here on drifts count from their ends.
+void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, bool remember,
+                            PercaleTeam *team);
 
-/// Finds out how far the blocks [first, end) have moved. `reach`: boxes farther apart than that are not near,
-/// m.
-void percale_blocks_compare(PercaleBlocks *blocks, uint32_t first, uint32_t end, float reach,
+/// Which boxes are compared.
+typedef struct PercaleBlockReach {
+    float near; // m; what has moved is asked of boxes that are no farther apart
+    float far;  // m, too; of what has turned and drifted
+} PercaleBlockReach;
+
+/// Finds out how far the blocks [first, end) have moved.
+void percale_blocks_compare(PercaleBlocks *blocks, uint32_t first, uint32_t end, PercaleBlockReach reach,
                             PercaleTeam *team);
 
 /// The moment that will be overwritten next.
@@ -85,6 +100,6 @@ typedef struct PercaleBlockList {
 /// have moved is found anew. They, and those that deviate by more than `most`, m, get anchors there. All that
 /// count from the oldest moment must be listed.
 void percale_blocks_begin(PercaleBlocks *blocks, const PercaleBlockList *listed, const f32x4 *from,
-                          const f32x4 *to, float most, float reach, PercaleTeam *team);
+                          const f32x4 *to, float most, PercaleBlockReach reach, PercaleTeam *team);
 
 #endif

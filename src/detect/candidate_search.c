@@ -9,30 +9,27 @@ typedef struct Search {
     PercaleNeighborhood hood;
     const PercaleTree *tree;
     const uint32_t *spent; // blocks of the list
+    float farthest;        // m, that a pair's bound may be
 } Search;
 
 /// Boxes of a few items' ways, wider by their reach, the margin, and what float32 may have rounded away.
 typedef struct Group {
     uint32_t first, count; // places in the list's order
-    PercaleQuery queries[TREE_WIDTH];
     f32x4 low[TREE_WIDTH], high[TREE_WIDTH];
     f32x4 least, most; // around all
 } Group;
 
-static void add_query(const Search *search, Group *group, uint32_t item)
+static void add_query(const Search *search, Group *group)
 {
     uint32_t k = group->count++;
-    PercaleQuery *query = &group->queries[k];
-    const PercaleCandidates *candidates = search->candidates;
-    *query = percale_candidate_query(candidates, search->list->mesh, search->tree->arity == 2, item);
-    query->reach += candidates->margin;
+    const PercaleQuery *query = &search->list->queries[group->first + k];
     const uint32_t *points = query->points;
     const f32x4 *from = search->hood.from;
     const f32x4 *to = search->hood.to;
     f32x4 low = min4(min4(from[points[0]], from[points[1]]), min4(to[points[0]], to[points[1]]));
     f32x4 high = max4(max4(from[points[0]], from[points[1]]), max4(to[points[0]], to[points[1]]));
     for (int axis = 0; axis < 3; axis++) {
-        float slack = query->reach + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
+        float slack = (query->reach + search->hood.wider) + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
         low[axis] -= slack;
         high[axis] += slack;
     }
@@ -53,15 +50,15 @@ static inline bool is_own(const Search *search, const PercaleQuery *query, uint3
     return own;
 }
 
-/// Primitives whose boxes the query's touches; of the cloth's edges, those after it.
+/// Adds the primitives whose boxes the query's touches; of the cloth's edges, those after it.
 static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
 {
     const PercaleTree *tree = search->tree;
+    const PercaleQuery *query = &search->list->queries[group->first + k];
     PercaleItemPairList *touched = &collector->touched;
     bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
     uint32_t first = only_later ? group->first + k + 1 : 0; // the cloth's are in their own order
-    size_t most = TREE_WIDTH * collector->nodes.count;
-    touched->count = 0;
+    size_t most = touched->count + TREE_WIDTH * collector->nodes.count;
     if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, most,
                                 sizeof(touched->items[0]))) {
         return false;
@@ -71,7 +68,7 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
         uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], group->low[k], group->high[k]));
         for (; bits != 0; bits &= bits - 1) {
             uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
-            if (primitive >= first && !is_own(search, &group->queries[k], primitive)) {
+            if (primitive >= first && !is_own(search, query, primitive)) {
                 touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive, 0.0f};
             }
         }
@@ -89,8 +86,7 @@ static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t p
 }
 
 /// Keeps the neighbours of an item, ascending.
-static void keep_neighbors(const Search *search, const PercaleQuery *query, PercaleCollector *collector,
-                           uint32_t place)
+static void keep_neighbors(const Search *search, PercaleCollector *collector)
 {
     PercaleNeighborList *found = &collector->neighbors;
     for (size_t i = 1; i < found->count; i++) {
@@ -102,9 +98,10 @@ static void keep_neighbors(const Search *search, const PercaleQuery *query, Perc
         found->items[at] = neighbor;
     }
     for (size_t i = 0; i < found->count; i++) {
-        if (!are_sewn(search, query, found->items[i].index)) {
+        const PercaleNeighbor *neighbor = &found->items[i];
+        if (!are_sewn(search, &search->list->queries[neighbor->place], neighbor->index)) {
             percale_collect_pair(collector,
-                                 (PercaleItemPair){place, found->items[i].index, found->items[i].distance});
+                                 (PercaleItemPair){neighbor->place, neighbor->index, neighbor->distance});
         }
     }
 }
@@ -112,32 +109,42 @@ static void keep_neighbors(const Search *search, const PercaleQuery *query, Perc
 /// Finds the pairs of some items, of one block.
 static bool find_group(const Search *search, PercaleCollector *collector, uint32_t first, uint32_t end)
 {
-    const uint32_t *order = search->list->order;
     Group group = {.first = first};
-    for (uint32_t place = first; place < end; place++) {
-        add_query(search, &group, order != NULL ? order[place] : place);
+    while (first + group.count < end) {
+        add_query(search, &group);
     }
+    const PercaleItemPairList *touched = &collector->touched;
+    PercaleNeighborList *found = &collector->found;
+    collector->touched.count = found->count = 0;
     bool complete =
         percale_tree_overlap(search->tree, group.least, group.most, &collector->memory, &collector->nodes);
     for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
-        collector->neighbors.count = 0;
-        complete =
-            list_touched(search, &group, k, collector) &&
-            percale_neighbors_find(&search->hood, &group.queries[k], collector->touched.items,
-                                   collector->touched.count, &collector->memory, &collector->neighbors);
-        collector->candidates += collector->touched.count;
-        if (complete) {
-            keep_neighbors(search, &group.queries[k], collector, first + k);
-        }
+        complete = list_touched(search, &group, k, collector);
+    }
+    complete = complete && percale_neighbors_find(&search->hood, search->list->queries, touched->items,
+                                                  touched->count, &collector->memory, found);
+    collector->candidates += touched->count;
+    collector->neighbors = (PercaleNeighborList){.items = found->items};
+    while (complete && percale_candidates_next(collector)) {
+        keep_neighbors(search, collector);
     }
     return complete;
+}
+
+/// Room for that many pairs.
+static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, PercaleMemory *memory)
+{
+    return percale_memory_reserve(memory, &pairs->items, &pairs->capacity, count, sizeof(pairs->items[0])) &&
+           percale_memory_reserve(memory, &pairs->bounds, &pairs->bound_capacity, count,
+                                  sizeof(pairs->bounds[0]));
 }
 
 /// Finds the pairs of a block's items.
 static bool find_block(const Search *search, PercaleCollector *collector, uint32_t b)
 {
+    const PercaleCandidates *candidates = search->candidates;
     const PercaleCandidateList *list = search->list;
-    PercaleItemPairList *pairs = &list->pairs[b];
+    PercaleBlockPairs *pairs = &list->pairs[b];
     uint32_t end = list->first_item[b + 1];
     bool complete = true;
     collector->pairs.count = 0;
@@ -146,14 +153,17 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
     }
     size_t count = collector->pairs.count;
     pairs->count = 0;
-    complete = complete && collector->complete &&
-               percale_memory_reserve(&collector->memory, &pairs->items, &pairs->capacity, count,
-                                      sizeof(pairs->items[0]));
-    if (complete && count > 0) {
-        memcpy(pairs->items, collector->pairs.items, count * sizeof(pairs->items[0]));
-        pairs->count = count;
+    pairs->lost = 0.0f;
+    if (!complete || !collector->complete || !reserve_pairs(pairs, count, &collector->memory)) {
+        return false;
     }
-    return complete;
+    float since = candidates->bounded ? 0.0f : candidates->blocks.items[list->first_block + b].drifted;
+    for (size_t i = 0; i < count; i++) {
+        pairs->items[i] = collector->pairs.items[i];
+        pairs->bounds[i] = fminf(pairs->items[i].distance, search->farthest) - since;
+    }
+    pairs->count = count;
+    return true;
 }
 
 enum { BLOCK_WORK = 64 }; // a block is as much to look for as so many items
@@ -202,12 +212,13 @@ bool percale_candidates_search(PercaleCandidates *candidates, const PercaleCandi
         if (i < 2) {
             percale_tree_refit_swept(trees[kind], primitives[kind], places, 2, stage->team);
         }
-        Search search = {
-            candidates,
-            list,
-            {primitives[kind], trees[kind]->arity, stage->from, stage->to, stage->all_near, true},
-            trees[kind],
-            NULL};
+        Search search = {candidates,
+                         list,
+                         {primitives[kind], trees[kind]->arity, stage->from, stage->to, candidates->margin,
+                          false, stage->all_near, true},
+                         trees[kind],
+                         NULL,
+                         list->widest + candidates->margin};
         uint64_t count = spent_of(candidates, list, &search.spent);
         complete = percale_collect(stage->team, count * BLOCK_WORK, find_blocks, &search, stage->collectors,
                                    stage->memory, &(PercaleCollected){0});

@@ -1,5 +1,6 @@
 #include "detect/candidates.h"
 
+#include "base/wide.h"
 #include "detect/candidate_search.h"
 #include "model/order.h"
 
@@ -19,6 +20,10 @@ enum {
     BLOCK_EDGES = 3 * BLOCK_SLOTS, // of a mesh, which has so many
 };
 
+// Of the farthest bound, what adding and comparing bounds rounds away, and the distances' own rounding: they
+// are computed from edges as long as a few of it.
+static const float BOUND_ROUNDED = 1e-5f;
+
 // Mean edges that a block is wide at most: a square of BLOCK_SLOTS has 6 on a side.
 static const float BLOCK_EDGES_WIDE = 7.0f;
 
@@ -36,6 +41,12 @@ static float widest_reach_of_all(const PercaleCandidates *candidates)
         thickest = fmaxf(thickest, model->obstacles[o].thickness);
     }
     return widest_reach(candidates, thickest);
+}
+
+/// The farthest that a bound may be, m: what is farther apart is not compared.
+static float farthest_bound(const PercaleCandidates *candidates)
+{
+    return widest_reach_of_all(candidates) + candidates->margin;
 }
 
 // ---- create ----
@@ -193,21 +204,47 @@ static bool list_points(const Items *items, PercaleBlockLister *lister, PercaleM
     return complete;
 }
 
+static PercaleQuery query_of(const PercaleCandidates *candidates, const Items *items, uint32_t place)
+{
+    const PercaleModel *model = candidates->model;
+    const PercaleModelSurface *mesh = items->list->mesh;
+    PercaleQuery query;
+    points_of_item(items, place, query.points);
+    bool is_cloth = mesh == &model->cloth;
+    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
+    query.reach = widest_reach(candidates, thickness);
+    return query;
+}
+
+/// What the items of a list are asked as. False without memory.
+static bool list_queries(const PercaleCandidates *candidates, const Items *items, PercaleMemory *memory)
+{
+    PercaleQuery *queries = percale_memory_new(memory, items->count, sizeof(queries[0]));
+    items->list->queries = queries;
+    for (uint32_t place = 0; queries != NULL && place < items->count; place++) {
+        queries[place] = query_of(candidates, items, place);
+        items->list->widest = fmaxf(items->list->widest, queries[place].reach);
+    }
+    return queries != NULL;
+}
+
 static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBlockLister *lister,
                           PercaleMemory *memory)
 {
     const PercaleModel *model = candidates->model;
     PercaleCandidateList *lists = candidates->lists;
     Items slots = items_of(candidates, &lists[0], false);
+    Items cloth_edges = items_of(candidates, &lists[1], true);
     bool complete = cut_list(&slots, 0, memory) && cut_cloth_edges(&lists[1], &lists[0], memory) &&
-                    list_points(&slots, lister, memory);
+                    list_points(&slots, lister, memory) && list_queries(candidates, &slots, memory) &&
+                    list_queries(candidates, &cloth_edges, memory);
     for (uint32_t i = 2; complete && candidates->obstacles && i < candidates->list_count; i++) {
         bool of_edges = i % 2 == 1;
         if (edges || !of_edges) {
             complete = order_items(&lists[i], of_edges, model->position, memory);
             Items items = items_of(candidates, &lists[i], of_edges);
-            complete =
-                complete && cut_list(&items, lister->count, memory) && list_points(&items, lister, memory);
+            complete = complete && cut_list(&items, lister->count, memory) &&
+                       list_points(&items, lister, memory) && list_queries(candidates, &items, memory);
         }
     }
     complete = complete && percale_blocks_create(&candidates->blocks, lister, lists[0].block_count,
@@ -246,11 +283,13 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
         PercaleCandidateList *list = &candidates->lists[i];
         for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
             percale_memory_free(memory, list->pairs[b].items);
+            percale_memory_free(memory, list->pairs[b].bounds);
         }
         percale_memory_free(memory, list->pairs);
         percale_memory_free(memory, list->first_pair);
         percale_memory_free(memory, list->first_item);
         percale_memory_free(memory, list->order);
+        percale_memory_free(memory, list->queries);
     }
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->spent.blocks);
@@ -307,15 +346,39 @@ static void forget_pairs(PercaleCandidates *candidates)
     }
 }
 
+/// After the blocks have drifted: a pair of things that are not far from each other has come nearer by no
+/// more. One of things that are far is farther apart than the farthest bound.
+static void lose_bounds(PercaleCandidates *candidates, float far)
+{
+    const float MOST_LOST = 4.0f * far; // more would round away too much
+    for (uint32_t i = 0; i < candidates->list_count; i++) {
+        PercaleCandidateList *list = &candidates->lists[i];
+        for (uint32_t b = 0; b < list->block_count; b++) {
+            PercaleBlockPairs *pairs = &list->pairs[b];
+            pairs->lost += candidates->blocks.items[list->first_block + b].drifted + BOUND_ROUNDED * far;
+            if (pairs->lost > MOST_LOST) {
+                for (size_t k = 0; k < pairs->count; k++) {
+                    pairs->bounds[k] -= pairs->lost;
+                }
+                pairs->lost = 0.0f;
+            }
+        }
+    }
+}
+
 bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandidateStage *stage,
                              uint64_t *tested)
 {
     PercaleBlocks *blocks = &candidates->blocks;
-    float reach = widest_reach_of_all(candidates);
+    PercaleBlockReach reach = {widest_reach_of_all(candidates), farthest_bound(candidates)};
     uint32_t range[2];
     searching_blocks(candidates, range);
-    percale_blocks_measure(blocks, stage->from, stage->to, stage->team);
+    candidates->bounded = !stage->all_near;
+    percale_blocks_measure(blocks, stage->from, stage->to, candidates->bounded, stage->team);
     percale_blocks_compare(blocks, range[0], range[1], reach, stage->team);
+    if (candidates->bounded) {
+        lose_bounds(candidates, reach.far);
+    }
     list_spent(candidates, range, candidates->margin + stage->spare);
     if (candidates->spent.count == 0) {
         return true;
@@ -343,41 +406,115 @@ PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates,
                                  .to = model->predicted};
 }
 
-bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
-                               PercaleCollector *collector)
+/// Some pairs of a block: all of some items.
+typedef struct PairRange {
+    const PercaleBlock *block;
+    const PercaleBlockPairs *pairs;
+    size_t first, end;
+} PairRange;
+
+/// Takes those that are no farther apart than the reach, less what the block has moved since they were found.
+static void select_found(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
+{
+    const PercaleQuery *queries = visiting->candidates->lists[visiting->list].queries;
+    const PercaleItemPair *items = range->pairs->items;
+    size_t selected = 0;
+    for (size_t i = range->first; i < range->end; i++) {
+        float reach = visiting->hood.only_passing ? 0.0f : queries[items[i].place].reach;
+        collector->numbers.items[selected] = (uint32_t)i;
+        selected += items[i].distance <= reach + range->block->moved;
+    }
+    collector->numbers.count = selected;
+}
+
+/// Takes those whose bounds say that they may end within reach, or have met on their ways: then they end no
+/// farther apart than they have turned.
+static void select_bounded(const PercaleVisiting *visiting, const PairRange *range,
+                           PercaleCollector *collector)
+{
+    const float *bounds = range->pairs->bounds;
+    float reach = visiting->hood.only_passing ? 0.0f : visiting->candidates->lists[visiting->list].widest;
+    float turned = range->block->turned;
+    float most = (reach > turned ? reach : turned) + range->pairs->lost +
+                 BOUND_ROUNDED * farthest_bound(visiting->candidates);
+    uint32_t *numbers = collector->numbers.items;
+    size_t selected = 0;
+    size_t i = range->first;
+    for (; i + WIDE <= range->end; i += WIDE) {
+        uint32_t bits = lane_bits(at_most8(load8(bounds + i), all8(most)));
+        for (; bits != 0; bits &= bits - 1) {
+            numbers[selected++] = (uint32_t)i + (uint32_t)__builtin_ctz(bits);
+        }
+    }
+    for (; i < range->end; i++) {
+        numbers[selected] = (uint32_t)i;
+        selected += bounds[i] <= most;
+    }
+    collector->numbers.count = selected;
+}
+
+static bool is_bounded(const PercaleVisiting *visiting)
+{
+    return visiting->candidates->bounded && !visiting->hood.all_near;
+}
+
+/// Those of the pairs that can be within reach of each other now, as the collector's `touched`. False without
+/// memory.
+static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
 {
     PercaleItemPairList *touched = &collector->touched;
+    PercaleNodeList *numbers = &collector->numbers;
+    size_t most = range->end - range->first;
     touched->count = 0;
-    if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, count,
-                                sizeof(pairs[0]))) {
+    if (!percale_memory_reserve(&collector->memory, &numbers->items, &numbers->capacity, most,
+                                sizeof(numbers->items[0])) ||
+        !percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, most,
+                                sizeof(touched->items[0]))) {
         return false;
     }
-    for (size_t i = 0; i < count; i++) {
-        if (pairs[i].distance <= reach + moved) {
-            touched->items[touched->count++] = pairs[i];
-        }
+    if (is_bounded(visiting)) {
+        select_bounded(visiting, range, collector);
+    } else {
+        select_found(visiting, range, collector);
+    }
+    touched->count = numbers->count;
+    for (size_t i = 0; i < numbers->count; i++) {
+        touched->items[i] = range->pairs->items[numbers->items[i]];
     }
     return true;
 }
 
-/// The pairs of one item.
-static void visit_item(const PercaleVisiting *visiting, PercaleCollector *collector,
-                       const PercaleItemPair *pairs, size_t count, float moved)
+/// What has been asked is known.
+static void write_bounds(const PercaleVisiting *visiting, const PairRange *range,
+                         const PercaleCollector *collector)
 {
-    const PercaleCandidates *candidates = visiting->candidates;
-    const PercaleCandidateList *list = &candidates->lists[visiting->list];
-    uint32_t item = list->order != NULL ? list->order[pairs->place] : pairs->place;
-    PercaleQuery query = percale_candidate_query(candidates, list->mesh, visiting->hood.arity == 2, item);
-    query.reach = visiting->only_passing ? 0.0f : query.reach;
-    collector->neighbors.count = 0;
-    bool complete =
-        percale_candidates_select(pairs, count, query.reach, moved, collector) &&
-        percale_neighbors_find(&visiting->hood, &query, collector->touched.items, collector->touched.count,
-                               &collector->memory, &collector->neighbors);
-    collector->candidates += collector->touched.count;
+    float far = farthest_bound(visiting->candidates);
+    for (size_t i = 0; i < collector->touched.count; i++) {
+        float distance = collector->touched.items[i].distance;
+        range->pairs->bounds[collector->numbers.items[i]] =
+            (distance < far ? distance : far) + range->pairs->lost;
+    }
+}
+
+static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *collector, const PairRange *range)
+{
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    const PercaleItemPairList *touched = &collector->touched;
+    PercaleNeighborList *found = &collector->found;
+    found->count = 0;
+    bool complete = select_pairs(visiting, range, collector) &&
+                    percale_neighbors_find(&visiting->hood, list->queries, touched->items, touched->count,
+                                           &collector->memory, found);
+    if (complete && is_bounded(visiting)) {
+        write_bounds(visiting, range, collector);
+    }
+    collector->candidates += touched->count;
     collector->complete = collector->complete && complete;
-    if (complete && collector->neighbors.count > 0) {
-        visiting->visit(visiting->context, collector, &query, pairs->place, item);
+    collector->neighbors = (PercaleNeighborList){.items = found->items};
+    while (collector->complete && percale_candidates_next(collector)) {
+        uint32_t place = collector->neighbors.items[0].place;
+        visiting->visit(visiting->context, collector, &list->queries[place], place,
+                        list->order != NULL ? list->order[place] : place);
     }
 }
 
@@ -397,31 +534,34 @@ static uint32_t block_of_pair(const PercaleCandidateList *list, uint64_t pair)
     return low;
 }
 
+/// The first pair from this one on that begins an item.
+static size_t begin_of_item(const PercaleBlockPairs *pairs, size_t i)
+{
+    while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
+        i++;
+    }
+    return i;
+}
+
 void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
                               uint64_t end)
 {
     const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     uint32_t b = first < end ? block_of_pair(list, first) : list->block_count;
-    for (; b < list->block_count && list->first_pair[b] < end; b++) {
-        const PercaleItemPairList *pairs = &list->pairs[b];
-        float moved = visiting->candidates->blocks.items[list->first_block + b].moved;
-        size_t i = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
-        while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
-            i++;
-        }
-        while (collector->complete && i < pairs->count && list->first_pair[b] + i < end) {
-            size_t next = i + 1;
-            while (next < pairs->count && pairs->items[next].place == pairs->items[i].place) {
-                next++;
-            }
-            visit_item(visiting, collector, pairs->items + i, next - i, moved);
-            i = next;
+    for (; collector->complete && b < list->block_count && list->first_pair[b] < end; b++) {
+        const PercaleBlockPairs *pairs = &list->pairs[b];
+        size_t from = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
+        size_t to = end - list->first_pair[b] < pairs->count ? end - list->first_pair[b] : pairs->count;
+        PairRange range = {&visiting->candidates->blocks.items[list->first_block + b], pairs,
+                           begin_of_item(pairs, from), begin_of_item(pairs, to)};
+        if (range.first < range.end) {
+            visit_pairs(visiting, collector, &range);
         }
     }
 }
 
 /// The first pair whose place is not before this one.
-static size_t find_place(const PercaleItemPairList *pairs, uint32_t place)
+static size_t find_place(const PercaleBlockPairs *pairs, uint32_t place)
 {
     size_t low = 0;
     size_t high = pairs->count;
@@ -452,31 +592,15 @@ void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleColl
     if (b == list->block_count) {
         return;
     }
-    size_t first = find_place(&list->pairs[b], place);
-    size_t end = find_place(&list->pairs[b], place + 1);
-    if (first < end) {
-        visit_item(visiting, collector, list->pairs[b].items + first, end - first,
-                   visiting->candidates->blocks.items[list->first_block + b].moved);
+    const PercaleBlockPairs *pairs = &list->pairs[b];
+    PairRange range = {&visiting->candidates->blocks.items[list->first_block + b], pairs,
+                       find_place(pairs, place), find_place(pairs, place + 1)};
+    if (range.first < range.end) {
+        visit_pairs(visiting, collector, &range);
     }
 }
 
 // ---- what a pair is ----
-
-PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
-                                     bool edge, uint32_t item)
-{
-    const PercaleModel *model = candidates->model;
-    uint32_t first = mesh->first_point;
-    PercaleQuery query = {.points = {first + item, first + item}};
-    if (edge) {
-        query.points[0] = first + mesh->edges.vertices[item][0];
-        query.points[1] = first + mesh->edges.vertices[item][1];
-    }
-    bool is_cloth = mesh == &model->cloth;
-    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
-    query.reach = widest_reach(candidates, thickness);
-    return query;
-}
 
 bool percale_candidates_are_sewn(const PercaleModel *model, const uint32_t points[2], const uint32_t *corners,
                                  uint32_t corner_count)

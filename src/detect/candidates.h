@@ -6,8 +6,10 @@
 // They are found with a margin beyond the reach. Two features that were farther apart than that can't touch
 // as long as the difference of what their points have moved is smaller. Items that lie together are a block
 // (blocks.h), whose pairs were found at one moment; when something near it has moved against it by more than
-// the margin since then, its pairs are found anew, and those of no other block. The same bound tells which
-// pairs of a block can't be near at the moment.
+// the margin since then, its pairs are found anew, and those of no other block.
+//
+// Who visits the pairs asks only those that can be near now: of each it is known how near it was when it was
+// last asked, and of its block how far things there have moved against each other in every substep since.
 
 #ifndef PERCALE_CANDIDATES_H
 #define PERCALE_CANDIDATES_H
@@ -20,14 +22,25 @@
 // substep.
 static const float CONTACT_REACH = 1.5f;
 
+/// The pairs of a block, by item.
+typedef struct PercaleBlockPairs {
+    PercaleItemPair *items;
+    float
+        *bounds; // m; when the blocks were last remembered, a pair was no nearer than this less what is lost
+    size_t count, capacity, bound_capacity;
+    float lost;
+} PercaleBlockPairs;
+
 /// The pairs of one kind of item: of each block those that were found for its items, by item.
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
     uint32_t *order;                 // [items] along a curve; NULL: as they are
+    PercaleQuery *queries;           // [items] by place
+    float widest;                    // m, the queries' largest reach
     uint32_t first_block, block_count;
-    uint32_t *first_item;       // [block_count + 1] places in the order
-    PercaleItemPairList *pairs; // [block_count]
-    size_t *first_pair;         // [block_count + 1] in a numbering of all
+    uint32_t *first_item;     // [block_count + 1] places in the order
+    PercaleBlockPairs *pairs; // [block_count]
+    size_t *first_pair;       // [block_count + 1] in a numbering of all
 } PercaleCandidateList;
 
 typedef struct PercaleCandidates {
@@ -40,6 +53,7 @@ typedef struct PercaleCandidates {
     float thickest;         // cloth, m
     PercaleBlocks blocks;   // of the cloth's slots, of each obstacle's vertices, of its edges
     bool known;             // pairs have been found
+    bool bounded;           // the pairs' bounds hold where they were last kept for
     PercaleBlockList spent; // those whose pairs were found anew when the candidates were last asked for
 } PercaleCandidates;
 
@@ -83,6 +97,20 @@ bool percale_candidates_collide(const PercaleCandidates *candidates, uint32_t po
 /// The smallest reach of any pair, m.
 float percale_candidates_least_reach(const PercaleCandidates *candidates);
 
+/// Moves the collector's neighbours on to those of the next item for which some are found; false: that was
+/// the last.
+static inline bool percale_candidates_next(PercaleCollector *collector)
+{
+    PercaleNeighborList *item = &collector->neighbors;
+    PercaleNeighbor *end = collector->found.items + collector->found.count;
+    item->items += item->count;
+    item->count = 0;
+    while (item->items + item->count < end && item->items[item->count].place == item->items[0].place) {
+        item->count++;
+    }
+    return item->count > 0;
+}
+
 /// An item that something is near, with its neighbours as the collector's.
 typedef void PercaleVisit(const void *context, PercaleCollector *collector, const PercaleQuery *query,
                           uint32_t place, uint32_t item);
@@ -92,26 +120,17 @@ typedef struct PercaleVisiting {
     const PercaleCandidates *candidates;
     uint32_t list;
     PercaleNeighborhood hood;
-    bool only_passing; // else those within reach, too
     PercaleVisit *visit;
     const void *context;
 } PercaleVisiting;
 
-/// Visits the items whose first pair is in the range, by place in the list's order.
+/// Visits the items whose first pair is in the range, by place in the list's order. The ways are those that
+/// the candidates were last kept for, unless all are near; how near a pair is then is written down.
 void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
                               uint64_t end);
 
 /// Visits the item at this place of the list's order, if it has pairs.
 void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleCollector *collector,
                                     uint32_t place);
-
-/// Those pairs of one item, all of them of one block, that can be within `reach` of each other now, as the
-/// collector's `touched`. False without memory.
-bool percale_candidates_select(const PercaleItemPair *pairs, size_t count, float reach, float moved,
-                               PercaleCollector *collector);
-
-/// An item of a list, as a query; `edge`: else a vertex.
-PercaleQuery percale_candidate_query(const PercaleCandidates *candidates, const PercaleModelSurface *mesh,
-                                     bool edge, uint32_t item);
 
 #endif

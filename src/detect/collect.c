@@ -144,7 +144,8 @@ void percale_collectors_free(PercaleCollectors *collectors, PercaleMemory *memor
         PercaleCollector *share = &collectors->shares[s];
         percale_memory_free(memory, share->features.items);
         percale_memory_free(memory, share->nodes.items);
-        percale_memory_free(memory, share->neighbors.items);
+        percale_memory_free(memory, share->found.items);
+        percale_memory_free(memory, share->numbers.items);
         percale_memory_free(memory, share->stencils.items);
         percale_memory_free(memory, share->touched.items);
         percale_memory_free(memory, share->notes.items);

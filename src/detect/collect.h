@@ -35,8 +35,10 @@ typedef struct PercaleNoteList {
 typedef struct PercaleCollector {
     _Alignas(64) PercaleFeatureList features; // scratch of one item
     PercaleNodeList nodes;                    // too
-    PercaleNeighborList neighbors;            // too
-    PercaleItemPairList touched;              // too
+    PercaleItemPairList touched;              // of some items
+    PercaleNodeList numbers;                  // theirs, among the pairs of their block
+    PercaleNeighborList found;                // of some items
+    PercaleNeighborList neighbors;            // of one item: a part of those found
     PercaleStencilList stencils;
     PercaleNoteList notes;
     PercaleItemPairList pairs;

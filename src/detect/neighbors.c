@@ -41,26 +41,6 @@ static inline WidePoints cross(WidePoints a, WidePoints b)
     return (WidePoints){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-static inline WidePoints spread_point(f32x4 point)
-{
-    return (WidePoints){all8(point[0]), all8(point[1]), all8(point[2])};
-}
-
-/// Eight points by number.
-static inline WidePoints load_points(const f32x4 *x, const uint32_t points[EIGHT])
-{
-    f32x8 pairs[4];
-    for (uint32_t k = 0; k < 4; k++) {
-        pairs[k] = pair_of_points(x[points[k]], x[points[k + 4]]);
-    }
-    return transpose_pairs(pairs);
-}
-
-static inline f32x8 min8(f32x8 a, f32x8 b)
-{
-    return select8(greater8(b, a), a, b);
-}
-
 /// Into [0, 1].
 static inline f32x8 clamp8(f32x8 a)
 {
@@ -124,104 +104,140 @@ static inline Distances between_edges(WidePoints a, WidePoints b, WidePoints c)
 
 // ---- neighbours ----
 
-/// The points of eight primitives, by corner.
+/// The points of eight pairs.
 typedef struct Eight {
-    uint32_t corners[3][EIGHT];
-    uint32_t own; // a bit for each that has a point of the query
+    uint32_t own[2][EIGHT], corners[3][EIGHT];
+    float reach[EIGHT];
 } Eight;
 
-static Eight name_eight(const PercaleNeighborhood *hood, const PercaleQuery *query,
-                        const uint32_t primitives[EIGHT])
+/// Names the first `count` of some pairs; in the place of others it repeats the first.
+static void name_eight(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+                       const PercaleItemPair *pairs, size_t count, Eight *eight)
 {
-    Eight eight = {.own = 0};
-    for (uint32_t k = 0; k < EIGHT; k++) {
-        bool own = false;
-        for (uint32_t corner = 0; corner < hood->arity; corner++) {
-            uint32_t point = hood->primitives[(size_t)hood->arity * primitives[k] + corner];
-            eight.corners[corner][k] = point;
-            own = own || point == query->points[0] || point == query->points[1];
-        }
-        eight.own |= (uint32_t)own << k;
+    for (size_t k = 0; k < EIGHT; k++) {
+        const PercaleItemPair *pair = &pairs[k < count ? k : 0];
+        const PercaleQuery *query = &queries[pair->place];
+        const uint32_t *corners = hood->primitives + (size_t)hood->arity * pair->primitive;
+        eight->own[0][k] = query->points[0];
+        eight->own[1][k] = query->points[1];
+        eight->corners[0][k] = corners[0];
+        eight->corners[1][k] = corners[1];
+        eight->corners[2][k] = corners[hood->arity - 1];
+        eight->reach[k] = hood->only_passing ? 0.0f : query->reach + hood->wider;
     }
-    return eight;
 }
 
-/// Whether the ways of the primitives touch that of the query, as boxes that move along with the query's
-/// first point: what all move together is no way. `corners` are at the end. `moved`: how far any two points
-/// have moved against each other, at most: farther apart they can't have met.
-static i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eight, const PercaleQuery *query,
-                        const WidePoints corners[3], f32x8 *moved)
+static inline f32x8 size8(f32x8 a)
 {
-    f32x4 carried = hood->to[query->points[0]] - hood->from[query->points[0]];
-    f32x4 ends[2] = {hood->to[query->points[0]], hood->to[query->points[1]]};
-    f32x4 begin = hood->from[query->points[1]] + carried;
-    f32x4 low = min4(min4(ends[0], ends[1]), begin);
-    f32x4 high = max4(max4(ends[0], ends[1]), begin);
-    float rounded = 0.0f; // what float32 has rounded away
-    for (int axis = 0; axis < 3; axis++) {
-        float slack = ROUNDED * (fabsf(low[axis]) + fabsf(high[axis]) + fabsf(carried[axis]));
-        low[axis] -= slack;
-        high[axis] += slack;
-        rounded += slack;
+    return (f32x8)((i32x8)a & INT32_MAX);
+}
+
+static inline WidePoints least_of(WidePoints a, WidePoints b)
+{
+    return (WidePoints){min8(a.x, b.x), min8(a.y, b.y), min8(a.z, b.z)};
+}
+
+static inline WidePoints most_of(WidePoints a, WidePoints b)
+{
+    return (WidePoints){max8(a.x, b.x), max8(a.y, b.y), max8(a.z, b.z)};
+}
+
+/// Boxes of eight.
+typedef struct Boxes {
+    WidePoints low, high;
+} Boxes;
+
+/// Widens one axis by what float32 may have rounded away; returns that.
+static inline f32x8 widen(f32x8 *low, f32x8 *high, f32x8 carried)
+{
+    f32x8 slack = ROUNDED * (size8(*low) + size8(*high) + size8(carried));
+    *low -= slack;
+    *high += slack;
+    return slack;
+}
+
+static inline i32x8 overlap(const Boxes *a, const Boxes *b)
+{
+    return at_most8(a->low.x, b->high.x) & at_most8(b->low.x, a->high.x) & at_most8(a->low.y, b->high.y) &
+           at_most8(b->low.y, a->high.y) & at_most8(a->low.z, b->high.z) & at_most8(b->low.z, a->high.z);
+}
+
+/// Whether the ways of the primitives touch those of the queries, as boxes that move along with the query's
+/// first point: what all move together is no way. `own`, `corners` are at the end. `moved`: how far any two
+/// points have moved against each other, at most: farther apart they can't have met.
+static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eight, uint32_t arity,
+                               const WidePoints own[2], const WidePoints corners[3], f32x8 *moved)
+{
+    WidePoints starts[2];
+    starts[0] = starts[1] = gather_points(hood->from, eight->own[0]);
+    if (arity == 2) {
+        starts[1] = gather_points(hood->from, eight->own[1]);
     }
-    WidePoints along = spread_point(carried);
-    WidePoints least = corners[0];
-    WidePoints most = corners[0];
+    WidePoints carried = minus(own[0], starts[0]);
+    WidePoints begin = plus(starts[1], all8(1.0f), carried);
+    Boxes box = {least_of(least_of(own[0], own[1]), begin), most_of(most_of(own[0], own[1]), begin)};
+    f32x8 rounded = widen(&box.low.x, &box.high.x, carried.x);
+    rounded += widen(&box.low.y, &box.high.y, carried.y);
+    rounded += widen(&box.low.z, &box.high.z, carried.z);
+    Boxes other = {corners[0], corners[0]};
     f32x8 farthest2 = all8(0.0f);
-    for (uint32_t corner = 0; corner < hood->arity; corner++) {
-        WidePoints from = plus(load_points(hood->from, eight->corners[corner]), all8(1.0f), along);
+    for (uint32_t corner = 0; corner < arity; corner++) {
+        WidePoints from = plus(gather_points(hood->from, eight->corners[corner]), all8(1.0f), carried);
         WidePoints way = minus(corners[corner], from);
         farthest2 = max8(farthest2, dot(way, way));
-        WidePoints places[2] = {corners[corner], from};
-        for (int i = 0; i < 2; i++) {
-            least = (WidePoints){min8(least.x, places[i].x), min8(least.y, places[i].y),
-                                 min8(least.z, places[i].z)};
-            most =
-                (WidePoints){max8(most.x, places[i].x), max8(most.y, places[i].y), max8(most.z, places[i].z)};
-        }
+        other.low = least_of(other.low, least_of(corners[corner], from));
+        other.high = most_of(other.high, most_of(corners[corner], from));
     }
-    *moved = (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + length3(ends[1] - begin)) + 4.0f * rounded;
-    return at_most8(least.x, all8(high[0])) & at_most8(all8(low[0]), most.x) &
-           at_most8(least.y, all8(high[1])) & at_most8(all8(low[1]), most.y) &
-           at_most8(least.z, all8(high[2])) & at_most8(all8(low[2]), most.z);
+    WidePoints turned = minus(own[1], begin);
+    *moved = (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + sqrt8(dot(turned, turned))) + 4.0f * rounded;
+    return overlap(&box, &other);
 }
 
-static Distances measure_eight(const PercaleNeighborhood *hood, const PercaleQuery *query,
-                               const WidePoints corners[3])
-{
-    WidePoints from = spread_point(hood->to[query->points[0]]);
-    if (hood->arity == 2) {
-        WidePoints own = minus(spread_point(hood->to[query->points[1]]), from);
-        return between_edges(own, minus(corners[1], corners[0]), minus(from, corners[0]));
-    }
-    f32x8 distance2 = to_triangle(minus(corners[0], from), minus(corners[1], from), minus(corners[2], from));
-    return (Distances){(1.0f - DISTANCE_SLACK) * sqrt8(distance2), ~(i32x8){0}};
-}
-
-/// Of eight primitives: how far they are, which are within reach, and which may have been passed.
+/// Of eight pairs: how far they are, which are within reach, and which may have been passed.
 typedef struct Asked {
     float distance[EIGHT];
     uint32_t near, passing; // a bit for each
 } Asked;
 
-static void ask_eight(const PercaleNeighborhood *hood, const PercaleQuery *query, const Eight *eight,
-                      Asked *asked)
+static inline void ask_eight(const PercaleNeighborhood *hood, const Eight *eight, uint32_t arity,
+                             Asked *asked)
 {
+    WidePoints own[2];
     WidePoints corners[3];
-    for (uint32_t corner = 0; corner < hood->arity; corner++) {
-        corners[corner] = load_points(hood->to, eight->corners[corner]);
+    own[0] = own[1] = gather_points(hood->to, eight->own[0]);
+    for (uint32_t corner = 0; corner < arity; corner++) {
+        corners[corner] = gather_points(hood->to, eight->corners[corner]);
     }
-    Distances distances = measure_eight(hood, query, corners);
-    i32x8 within = at_most8(distances.distance, all8(query->reach));
+    Distances distances;
+    if (arity == 2) {
+        own[1] = gather_points(hood->to, eight->own[1]);
+        distances =
+            between_edges(minus(own[1], own[0]), minus(corners[1], corners[0]), minus(own[0], corners[0]));
+    } else {
+        f32x8 distance2 =
+            to_triangle(minus(corners[0], own[0]), minus(corners[1], own[0]), minus(corners[2], own[0]));
+        distances = (Distances){(1.0f - DISTANCE_SLACK) * sqrt8(distance2), ~(i32x8){0}};
+    }
+    i32x8 within = at_most8(distances.distance, load8(eight->reach));
     asked->near = lane_bits(hood->ends_too ? within : within & distances.inside);
     f32x8 moved;
-    i32x8 touching = ways_touch(hood, eight, query, corners, &moved);
+    i32x8 touching = ways_touch(hood, eight, arity, own, corners, &moved);
     store8(asked->distance, distances.distance);
     asked->passing = lane_bits(touching & at_most8(distances.distance, moved));
 }
 
-bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *query,
-                            const PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
+static void ask_faces(const PercaleNeighborhood *hood, const Eight *eight, Asked *asked)
+{
+    ask_eight(hood, eight, 3, asked);
+}
+
+static void ask_edges(const PercaleNeighborhood *hood, const Eight *eight, Asked *asked)
+{
+    ask_eight(hood, eight, 2, asked);
+}
+
+bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+                            PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list)
 {
     if (!percale_memory_reserve(memory, &list->items, &list->capacity, list->count + count,
@@ -229,23 +245,23 @@ bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery 
         return false;
     }
     for (size_t i = 0; i < count; i += EIGHT) {
-        uint32_t numbers[EIGHT];
-        for (size_t k = 0; k < EIGHT; k++) {
-            numbers[k] = pairs[i + k < count ? i + k : i].primitive;
-        }
-        Eight eight = name_eight(hood, query, numbers);
-        uint32_t present = count - i < EIGHT ? (1u << (count - i)) - 1 : 0xff;
-        uint32_t bits = present & ~eight.own;
-        if (bits == 0) {
-            continue;
-        }
+        Eight eight;
         Asked asked;
-        ask_eight(hood, query, &eight, &asked);
-        bits &= hood->all_near ? 0xff : asked.near | asked.passing;
+        name_eight(hood, queries, pairs + i, count - i, &eight);
+        if (hood->arity == 2) {
+            ask_edges(hood, &eight, &asked);
+        } else {
+            ask_faces(hood, &eight, &asked);
+        }
+        for (size_t k = 0; k < EIGHT && i + k < count; k++) {
+            pairs[i + k].distance = asked.distance[k];
+        }
+        uint32_t present = count - i < EIGHT ? (1u << (count - i)) - 1 : 0xff;
+        uint32_t bits = present & (hood->all_near ? 0xff : asked.near | asked.passing);
         for (; bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
-            list->items[list->count++] =
-                (PercaleNeighbor){numbers[k], asked.distance[k], (asked.passing >> k & 1) != 0};
+            list->items[list->count++] = (PercaleNeighbor){pairs[i + k].place, pairs[i + k].primitive,
+                                                           asked.distance[k], (asked.passing >> k & 1) != 0};
         }
     }
     return true;

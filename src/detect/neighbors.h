@@ -1,9 +1,10 @@
 // neighbors.h: which of some triangles a vertex may touch, which of some edges an edge may: eight at a time.
 //
-//   in   points at the start and the end of their ways, a query, primitives
+//   in   points at the start and the end of their ways, queries, pairs of one and a primitive
 //   out  those within the query's reach at the end, or that its way may have crossed
 //
-// Distances are float32 and err on the near side: who asks decides in double.
+// The eight are pairs of any queries: an item has often but one or two. Distances are float32 and err on the
+// near side: who asks decides in double.
 
 #ifndef PERCALE_NEIGHBORS_H
 #define PERCALE_NEIGHBORS_H
@@ -13,6 +14,7 @@
 
 /// A primitive that a query may touch.
 typedef struct PercaleNeighbor {
+    uint32_t place; // of the query
     uint32_t index;
     float distance; // m, at the end; at most this near
     bool may_pass;  // the ways touch: one may have gone through the other
@@ -23,10 +25,11 @@ typedef struct PercaleNeighborList {
     size_t count, capacity;
 } PercaleNeighborList;
 
-/// An item (a vertex or an edge, by its place in some order) and a primitive that it may come to touch.
+/// An item (a vertex or an edge, by its place in some order) and a primitive that it may come to touch. They
+/// have no point in common.
 typedef struct PercaleItemPair {
     uint32_t place, primitive;
-    float distance; // m, when they were found
+    float distance; // m, when they were found or asked
 } PercaleItemPair;
 
 typedef struct PercaleItemPairList {
@@ -39,20 +42,22 @@ typedef struct PercaleNeighborhood {
     const uint32_t *primitives; // [arity * count] points
     uint32_t arity;             // 3 or 2
     const f32x4 *from, *to;     // where the points' ways begin and end
+    float wider;                // m, beyond the queries' reach
+    bool only_passing;          // nothing is within reach but what overlaps
     bool all_near;              // distances aren't asked
     bool ends_too;              // else two edges are near only where both are closest inside
 } PercaleNeighborhood;
 
-/// A vertex (twice the same point) or an edge. Primitives with one of its points are none of its neighbours.
+/// A vertex (twice the same point) or an edge.
 typedef struct PercaleQuery {
     uint32_t points[2];
     float reach; // m
 } PercaleQuery;
 
-/// The neighbours among the primitives of `count` pairs, in their order, appended to the list. False without
-/// memory.
-bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *query,
-                            const PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
+/// The neighbours among `count` pairs, in their order, appended to the list; each pair's distance becomes
+/// that of now. `queries`: by place. False without memory.
+bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+                            PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list);
 
 #endif

@@ -173,9 +173,9 @@ static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCo
     PercaleCollected to = {.stencils = stage->passing};
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
         const PercaleCandidateList *list = &candidates->lists[i];
-        Kind kind = {stage,
-                     list->mesh,
-                     {candidates, i, percale_candidates_hood(candidates, i), true, find_passing, &kind}};
+        Kind kind = {
+            stage, list->mesh, {candidates, i, percale_candidates_hood(candidates, i), find_passing, &kind}};
+        kind.visiting.hood.only_passing = true;
         complete = percale_collect(stage->team, percale_candidate_count(list), find_items, &kind,
                                    stage->collectors, stage->memory, &to);
         counts->candidates += stage->collectors->candidates;
