@@ -241,6 +241,7 @@ static void drop_model(PercaleSolver *solver)
     for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
         percale_proximity_free(&solver->proximities[o], detect);
     }
+    percale_pinches_free(&solver->pinches, detect);
     percale_candidates_free(&solver->candidates, detect);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
@@ -341,6 +342,9 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     bool complete = allocate_some(memory, &solver->proximities, count, sizeof(PercaleProximity)) &&
                     allocate_some(memory, &solver->frames, count, sizeof(PercaleFrame)) &&
                     allocate_some(memory, &solver->crossings, count, sizeof(PercaleCrossing *));
+    if (complete && solver->def.vertex_face && count > 0) {
+        complete = percale_pinches_create(&solver->pinches, model, memory);
+    }
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
         complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o],
                                             solver->def.ccd == PERCALE_CCD_EXACT, memory);

@@ -54,6 +54,20 @@ static inline bool is_bending_held(const PercaleSolver *solver)
     return solver->model.hinge_count > 0 && solver->bend_interval > 1;
 }
 
+/// Which of the cloth's vertices are pinched; NULL: none is.
+static inline const uint8_t *pinched_or_none(const PercaleSolver *solver)
+{
+    return solver->pinches.count > 0 ? solver->pinches.is_pinched : NULL;
+}
+
+/// Where obstacles leave no room.
+static inline PercalePinchStage pinch_stage_of(const Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    return (PercalePinchStage){&solver->model,   solver->proximities, solver->crossings,
+                               &solver->pinches, substep->dt,         substep->team};
+}
+
 // ---- step_detect.c ----
 
 /// Moves the obstacles; finds the vertices that can touch them and the paths that lead through.

@@ -210,6 +210,7 @@ typedef struct PercaleProfile {
     X(detections_skipped)   \
     X(missed)               \
     X(born_crossed)         \
+    X(pinched)              \
     X(left_inside)          \
     X(left_crossed)         \
     X(truncated)            \
@@ -218,8 +219,10 @@ typedef struct PercaleProfile {
     X(last_crossed_frame)
 
 /// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and nothing
-/// tells how that came (looked for where edge_edge is 1); colors_max: the most colours that contacts needed;
-/// overflow: contacts that fitted into none; counters of features that this version does not have stay 0.
+/// tells how that came (looked for where edge_edge is 1); pinched: cloth vertices that two surfaces of
+/// obstacles left no room and that were held between them, in each substep; colors_max: the most colours that
+/// contacts needed; overflow: contacts that fitted into none; counters of features that this version does not
+/// have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;
     PERCALE_COUNTERS(PERCALE_COUNTER_FIELD)
