@@ -126,17 +126,8 @@ static PercaleResult check_counts(const PercaleSolverDef *def, PercaleMessage *m
 
 static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage *message)
 {
-    const struct {
-        bool asked;
-        const char *name;
-    } MISSING[] = {
-        {def->untangle != 0, "untangling"},
-        {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
-    };
-    for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
-        if (MISSING[i].asked) {
-            return percale_fail(message, PERCALE_UNSUPPORTED, "%s is not in this version", MISSING[i].name);
-        }
+    if (def->untangle != 0) {
+        return percale_fail(message, PERCALE_UNSUPPORTED, "untangling is not in this version");
     }
     if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_ALWAYS) {
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",

@@ -47,9 +47,10 @@ static bool find_active(Substep *substep, uint32_t o)
     PercaleProximity *proximity = &solver->proximities[o];
     PercalePair pair = pair_of(substep, o);
     PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
-    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, substep->team);
-    solver->counters.detections += searches;
-    solver->counters.detections_skipped += model->slot_count - searches;
+    PercaleSelectionCounts counts = percale_proximity_select(proximity, &pair, &at_start, substep->team);
+    solver->counters.detections += counts.searches;
+    solver->counters.detections_skipped += model->slot_count - counts.searches;
+    solver->counters.missed += counts.missed;
     if (proximity->motion > 0.0f) {
         percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted, substep->team);
         if (solver->def.ccd == PERCALE_CCD_EXACT) {
@@ -177,6 +178,9 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .is_pinched = pinched_or_none(solver),
                               .team = substep->team};
     PercalePairCounts counts = {0};
+    if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {
+        solver->candidates.known = false; // it is a pass
+    }
     bool complete = find_candidates(substep, seen) &&
                     percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                        &solver->notes[1], &counts);

@@ -40,7 +40,8 @@ static inline PercalePair pair_of(const Substep *substep, uint32_t obstacle)
 {
     const PercaleSolver *solver = substep->solver;
     return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
-                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass};
+                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass,
+                         substep->has_pass && solver->def.reuse == PERCALE_REUSE_ALWAYS};
 }
 
 /// Whether bending's force is found anew in this substep, where it acts less often than in each.
