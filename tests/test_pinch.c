@@ -270,6 +270,38 @@ START_TEST(a_pinch_is_the_same_for_one_thread_and_three)
 }
 END_TEST
 
+START_TEST(what_starts_between_overlapping_plates_drifts_to_their_middle_and_no_faster)
+{
+    static const float ASIDE = 9.5e-3f; // m; the plates overlap by 20 mm
+    PercaleSolver *solver = percale_test_solver(percale_solver_def_default());
+    PercaleMesh sheet = percale_test_sheet(SIDE, 0.14f);
+    percale_test_translate(&sheet, 0.0f, ASIDE, 0.0f);
+    PercaleCloth cloth = percale_test_add_cloth(solver, &sheet);
+    for (int k = 0; k < 2; k++) {
+        PercaleMesh plate = percale_test_box(0.3f, 0.05f, 0.3f);
+        percale_test_translate(&plate, 0.0f, k == 0 ? -0.015f : 0.015f, 0.0f);
+        (void)percale_test_add_obstacle(solver, &plate);
+        percale_mesh_free(&plate);
+    }
+    float x[3 * VERTICES];
+    float v[3 * VERTICES];
+    for (int frame = 0; frame < 3; frame++) {
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+        PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, cloth, x, 0));
+        PERCALE_TEST_OK(solver, percale_cloth_get_velocities(solver, cloth, v, 0));
+        double least = fmax(0.0, (double)ASIDE - EXIT * FRAME * (frame + 1)) - 2e-4;
+        for (size_t i = 1; i < 3 * (size_t)VERTICES; i += 3) {
+            ck_assert_msg((double)x[i] > least, "frame %d: at %g mm", frame, 1e3 * (double)x[i]);
+            ck_assert_msg(frame < 2 || (double)x[i] < 1e-3, "it is still at %g mm", 1e3 * (double)x[i]);
+            ck_assert_msg(fabsf(v[i]) <= 0.0f, "a drift is no velocity: %g m/s", (double)v[i]);
+        }
+    }
+    ck_assert_uint_eq(percale_solver_counters(solver).left_inside, 0);
+    percale_solver_destroy(solver);
+    percale_mesh_free(&sheet);
+}
+END_TEST
+
 START_TEST(bodies_that_leave_room_pinch_nothing)
 {
     static const Press PRESS = {"plates", PLATES, false, false, 0.0045, 0.0,
@@ -291,6 +323,7 @@ int main(void)
     tcase_set_timeout(pinch, 0);
     tcase_add_loop_test(pinch, what_is_pinched_rides_along_and_comes_out_untangled, 0, PRESS_COUNT);
     tcase_add_test(pinch, a_pinch_is_the_same_for_one_thread_and_three);
+    tcase_add_test(pinch, what_starts_between_overlapping_plates_drifts_to_their_middle_and_no_faster);
     tcase_add_test(pinch, bodies_that_leave_room_pinch_nothing);
     suite_add_tcase(suite, pinch);
     return percale_test_run(suite);
