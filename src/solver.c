@@ -126,17 +126,8 @@ static PercaleResult check_counts(const PercaleSolverDef *def, PercaleMessage *m
 
 static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage *message)
 {
-    const struct {
-        bool asked;
-        const char *name;
-    } MISSING[] = {
-        {def->untangle != 0, "untangling"},
-        {def->reuse == PERCALE_REUSE_ALWAYS, "reuse=always"},
-    };
-    for (size_t i = 0; i < sizeof(MISSING) / sizeof(MISSING[0]); i++) {
-        if (MISSING[i].asked) {
-            return percale_fail(message, PERCALE_UNSUPPORTED, "%s is not in this version", MISSING[i].name);
-        }
+    if (def->untangle != 0) {
+        return percale_fail(message, PERCALE_UNSUPPORTED, "untangling is not in this version");
     }
     if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_ALWAYS) {
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",
@@ -241,6 +232,7 @@ static void drop_model(PercaleSolver *solver)
     for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
         percale_proximity_free(&solver->proximities[o], detect);
     }
+    percale_pinches_free(&solver->pinches, detect);
     percale_candidates_free(&solver->candidates, detect);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
@@ -341,6 +333,9 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     bool complete = allocate_some(memory, &solver->proximities, count, sizeof(PercaleProximity)) &&
                     allocate_some(memory, &solver->frames, count, sizeof(PercaleFrame)) &&
                     allocate_some(memory, &solver->crossings, count, sizeof(PercaleCrossing *));
+    if (complete && solver->def.vertex_face && count > 0) {
+        complete = percale_pinches_create(&solver->pinches, model, memory);
+    }
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
         complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o],
                                             solver->def.ccd == PERCALE_CCD_EXACT, memory);

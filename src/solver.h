@@ -9,6 +9,7 @@
 #include "detect/contacts.h"
 #include "detect/pairs.h"
 #include "detect/paths.h"
+#include "detect/pinch.h"
 #include "detect/rays.h"
 #include "engine.h"
 #include "model/model.h"
@@ -36,6 +37,7 @@ struct PercaleSolver {
     PercaleProximity *proximities;               // [obstacle_count]
     PercaleFrame *frames;                        // [obstacle_count] of the running substep
     PercaleCrossing **crossings;                 // [obstacle_count] arrays in the arena; NULL without CCD
+    PercalePinches pinches;                      // where cloth vertices collide with obstacles
     PercaleRays *rays;                           // NULL without ccd=ray or obstacles
     PercaleCandidates candidates;                // without self_collision and edge_edge there are none
     PercaleNoteList notes[2];                    // of the last pass, and those that are being written

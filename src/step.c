@@ -70,6 +70,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .obstacles = solver->def.vertex_face != 0,
                                    .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
                                    .exact = solver->def.ccd == PERCALE_CCD_EXACT,
+                                   .is_pinched = pinched_or_none(solver),
                                    .dt = substep->dt,
                                    .collectors = &solver->collectors,
                                    .passing = &solver->passing,
@@ -187,6 +188,9 @@ static PercaleResult finish(Substep *substep)
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
+    PercalePinchStage pinches = pinch_stage_of(substep);
+    percale_pinches_end(&pinches);
+    solver->counters.pinched += solver->pinches.count;
     if (substep->any_leaves && !end_exits(substep)) {
         return percale_fail_memory(&solver->error);
     }

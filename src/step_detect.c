@@ -47,9 +47,10 @@ static bool find_active(Substep *substep, uint32_t o)
     PercaleProximity *proximity = &solver->proximities[o];
     PercalePair pair = pair_of(substep, o);
     PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
-    uint64_t searches = percale_proximity_select(proximity, &pair, &at_start, substep->team);
-    solver->counters.detections += searches;
-    solver->counters.detections_skipped += model->slot_count - searches;
+    PercaleSelectionCounts counts = percale_proximity_select(proximity, &pair, &at_start, substep->team);
+    solver->counters.detections += counts.searches;
+    solver->counters.detections_skipped += model->slot_count - counts.searches;
+    solver->counters.missed += counts.missed;
     if (proximity->motion > 0.0f) {
         percale_tree_refit(&proximity->tree, pair.obstacle->triangles, model->predicted, substep->team);
         if (solver->def.ccd == PERCALE_CCD_EXACT) {
@@ -105,6 +106,10 @@ PercaleResult percale_detect_obstacles(Substep *substep)
                                 solver->objects.obstacles[o].name);
         }
         complete = begin_sightings(solver, &solver->proximities[o]) && cast_paths(substep, o);
+    }
+    if (complete && solver->pinches.count > 0) {
+        PercalePinchStage stage = pinch_stage_of(substep);
+        percale_pinches_ride(&stage);
     }
     end_stage(substep, PERCALE_STAGE_DETECT);
     return complete ? PERCALE_OK : percale_fail_memory(&solver->error);
@@ -170,8 +175,12 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .dt = substep->dt,
                               .may_be_crossed = solver->may_be_crossed,
                               .only = only,
+                              .is_pinched = pinched_or_none(solver),
                               .team = substep->team};
     PercalePairCounts counts = {0};
+    if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {
+        solver->candidates.known = false; // it is a pass
+    }
     bool complete = find_candidates(substep, seen) &&
                     percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                        &solver->notes[1], &counts);
@@ -184,6 +193,15 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
     solver->counters.born_crossed += counts.born_crossed;
     solver->may_be_crossed = counts.free_pairs > 0;
     return complete;
+}
+
+/// False without memory.
+static bool find_pinches(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePinchStage stage = pinch_stage_of(substep);
+    return !solver->def.vertex_face ||
+           percale_pinches_find(&stage, &solver->stencils, &solver->arena, &solver->detect_memory);
 }
 
 /// The stencils of the last pass become the known ones.
@@ -262,6 +280,7 @@ PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
                                          &solver->stencils, &solver->counters.candidates);
     }
     solver->counters.stencils_vf += solver->stencils.count - (pass ? 0 : solver->pass_stencil_count);
+    complete = complete && (!pass || find_pinches(substep));
     if (complete && pass && solver->candidates.lists != NULL) {
         const f32x4 *seen = look_at_pairs(substep, first);
         complete = seen != NULL && detect_pairs(substep, seen, NULL);

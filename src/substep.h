@@ -40,7 +40,8 @@ static inline PercalePair pair_of(const Substep *substep, uint32_t obstacle)
 {
     const PercaleSolver *solver = substep->solver;
     return (PercalePair){&solver->model, &solver->model.obstacles[obstacle],
-                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass};
+                         substep->has_pass ? later_substeps(&solver->def) : 0.0f, substep->has_pass,
+                         substep->has_pass && solver->def.reuse == PERCALE_REUSE_ALWAYS};
 }
 
 /// Whether bending's force is found anew in this substep, where it acts less often than in each.
@@ -52,6 +53,20 @@ static inline bool is_bending_due(const Substep *substep)
 static inline bool is_bending_held(const PercaleSolver *solver)
 {
     return solver->model.hinge_count > 0 && solver->bend_interval > 1;
+}
+
+/// Which of the cloth's vertices are pinched; NULL: none is.
+static inline const uint8_t *pinched_or_none(const PercaleSolver *solver)
+{
+    return solver->pinches.count > 0 ? solver->pinches.is_pinched : NULL;
+}
+
+/// Where obstacles leave no room.
+static inline PercalePinchStage pinch_stage_of(const Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    return (PercalePinchStage){&solver->model,   solver->proximities, solver->crossings,
+                               &solver->pinches, substep->dt,         substep->team};
 }
 
 // ---- step_detect.c ----

@@ -83,7 +83,6 @@ END_TEST
 START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
 {
     expect_refused("untangle", "on", "untangle=on", "not in this version");
-    expect_refused("reuse", "always", "reuse=always", "not in this version");
     set("self", "off");
     set("ee", "off");
     set("untangle", "off");
@@ -99,7 +98,7 @@ START_TEST(every_setting_reaches_the_solver)
     set("substeps", "7");
     set("iterations", "3");
     set("passes", "5");
-    set("reuse", "auto");
+    set("reuse", "always");
     set("ccd", "off");
     set("obstacle", "off");
     set("self", "on");
@@ -116,7 +115,7 @@ START_TEST(every_setting_reaches_the_solver)
     ck_assert_int_eq(def.iterations, 3);
     ck_assert_int_eq(def.passes, 5);
     ck_assert_int_eq(def.thread_count, 3);
-    ck_assert_int_eq(def.reuse, PERCALE_REUSE_AUTO);
+    ck_assert_int_eq(def.reuse, PERCALE_REUSE_ALWAYS);
     ck_assert_int_eq(def.ccd, PERCALE_CCD_OFF);
     ck_assert_int_eq(def.vertex_face, 0);
     ck_assert_int_eq(def.self_collision, 1);

@@ -69,7 +69,7 @@ typedef enum PercaleCcd {
 /// When contact candidates are found anew.
 typedef enum PercaleReuse {
     PERCALE_REUSE_AUTO = 0, ///< while the bound on the relative motion holds, they are kept
-    PERCALE_REUSE_ALWAYS    ///< never kept: every collision pass detects (not in this version)
+    PERCALE_REUSE_ALWAYS    ///< never kept: every collision pass detects; the state is the same
 } PercaleReuse;
 
 typedef enum PercaleIsa {
@@ -210,6 +210,7 @@ typedef struct PercaleProfile {
     X(detections_skipped)   \
     X(missed)               \
     X(born_crossed)         \
+    X(pinched)              \
     X(left_inside)          \
     X(left_crossed)         \
     X(truncated)            \
@@ -218,8 +219,11 @@ typedef struct PercaleProfile {
     X(last_crossed_frame)
 
 /// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and nothing
-/// tells how that came (looked for where edge_edge is 1); colors_max: the most colours that contacts needed;
-/// overflow: contacts that fitted into none; counters of features that this version does not have stay 0.
+/// tells how that came (looked for where edge_edge is 1); pinched: cloth vertices that two surfaces of
+/// obstacles left no room and that were held between them, in each substep; colors_max: the most colours that
+/// contacts needed; missed: with reuse=always, vertices near an obstacle
+/// that a kept bound of their distance would have left out (it is 0, or the bound is wrong); overflow:
+/// contacts that fitted into none; counters of features that this version does not have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;
     PERCALE_COUNTERS(PERCALE_COUNTER_FIELD)

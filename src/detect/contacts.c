@@ -148,7 +148,7 @@ static void remember(const PercaleContactStage *stage, uint32_t index, const Per
 static bool gather(const PercaleContactStage *stage, uint32_t index, const Visitor *visitor,
                    PercaleCollector *collector)
 {
-    if (has_crossed(stage, index)) { // it is looked for where it isn't
+    if (has_crossed(stage, index) || stage->pair->is_found_anew) { // the former: from where it isn't
         return percale_surface_gather(stage->surface, visitor->point, (double)visitor->reach,
                                       &collector->memory, &collector->features);
     }

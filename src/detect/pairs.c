@@ -2,6 +2,7 @@
 
 #include "base/radix_sort.h"
 #include "detect/pair_parts.h"
+#include "detect/pinch.h"
 
 #include <string.h>
 
@@ -18,6 +19,22 @@ static uint64_t source_of(const Kind *kind, uint32_t place)
     return group << 32 | place;
 }
 
+/// Edges and faces that are held between obstacles collide with none (pinch.h).
+static void drop_pinched(const Kind *kind, PercaleCollector *collector)
+{
+    const uint8_t *is_pinched = kind->stage->is_pinched;
+    const PercaleNeighborhood *hood = &kind->visiting.hood;
+    PercaleNeighbor *items = collector->neighbors.items;
+    size_t kept = 0;
+    for (size_t i = 0; is_pinched != NULL && i < collector->neighbors.count; i++) {
+        if (!percale_pinched_any(is_pinched, hood->primitives + (size_t)hood->arity * items[i].index,
+                                 hood->arity)) {
+            items[kept++] = items[i];
+        }
+    }
+    collector->neighbors.count = is_pinched != NULL ? kept : collector->neighbors.count;
+}
+
 static void find_item(const void *context, PercaleCollector *collector, const PercaleQuery *query,
                       uint32_t place, uint32_t item)
 {
@@ -26,6 +43,9 @@ static void find_item(const void *context, PercaleCollector *collector, const Pe
     const PercaleModelSurface *mesh = stage->candidates->lists[kind->visiting.list].mesh;
     bool edges = kind->visiting.hood.arity == 2;
     collector->source = source_of(kind, place);
+    if (mesh != &stage->model->cloth) {
+        drop_pinched(kind, collector);
+    }
     if (mesh == &stage->model->cloth && edges) {
         percale_pair_find_edge(stage, collector, item);
     } else if (mesh == &stage->model->cloth) {

@@ -29,6 +29,7 @@ typedef struct PercalePairStage {
     float dt;                      // s, of a substep
     bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
     const PercaleSources *only;    // NULL: all items
+    const uint8_t *is_pinched;     // [slot_count]; NULL: none is
     PercaleTeam *team;
     PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;

@@ -79,7 +79,31 @@ static bool is_in_bounds(const PercaleTree *tree, f32x4 point)
     return within;
 }
 
-typedef enum Answer { IDLE, ACTIVE_KNOWN, ACTIVE_SEARCHED, IDLE_SEARCHED } Answer;
+typedef enum Answer {
+    IDLE,
+    ACTIVE_KNOWN,
+    ACTIVE_SEARCHED,
+    IDLE_SEARCHED,
+    ACTIVE_MISSED // its bound said that it was idle
+} Answer;
+
+/// The search that a bound saves: of a vertex that the bound says is farther away than that. As long as the
+/// bound is right, what is known stays as it is.
+static Answer doubt_bound(PercaleProximity *proximity, const PercalePair *pair, const PercaleSurface *surface,
+                          uint32_t slot, float distance)
+{
+    const double ROUNDING = 1e-5; // share of the distance
+    Vec3 point = vec3_of(pair->model->position[slot]);
+    PercaleNearest nearest = percale_surface_nearest(surface, point, (double)distance * (1.0 - ROUNDING),
+                                                     proximity->nearest[slot]);
+    if (nearest.triangle == NO_TRIANGLE) {
+        return IDLE_SEARCHED;
+    }
+    proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
+    proximity->nearest[slot] = nearest.triangle;
+    proximity->side[slot] = (int8_t)percale_surface_side(surface, point, &nearest);
+    return ACTIVE_MISSED;
+}
 
 /// Whether the slot can touch the obstacle in this substep; computes its distance when the bound doesn't
 /// tell.
@@ -99,7 +123,7 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     float room = proximity->clearance[slot] - motion;
     int8_t side = proximity->side[slot];
     if (room > reach || (!pair->is_pass_due && side > 0 && room > PATH_ROOM * motion)) {
-        return IDLE;
+        return pair->is_found_anew ? doubt_bound(proximity, pair, surface, slot, reach + motion) : IDLE;
     }
     if (side != 0 && (side != OUTSIDE_BY_BOUND || !pair->is_pass_due)) {
         return ACTIVE_KNOWN;
@@ -113,7 +137,7 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     PercaleNearbyQuery query = {surface, proximity->traveled - (double)proximity->motion, point,
                                 (double)radius};
     PercaleNearest nearest;
-    if (!percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest)) {
+    if (pair->is_found_anew || !percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest)) {
         nearest = percale_surface_nearest(surface, point, query.radius, proximity->nearest[slot]);
     }
     proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);
@@ -132,7 +156,7 @@ typedef struct Selection {
     const PercalePair *pair;
     const PercaleSurface *surface;
     float thickest; // m; no cloth keeps a greater distance to the obstacle
-    atomic_uint_fast64_t searches;
+    atomic_uint_fast64_t searches, missed;
 } Selection;
 
 /// Whether none of the eight slots can touch the obstacle, whatever its cloth: most of the time most can't.
@@ -151,39 +175,47 @@ static bool are_idle(const Selection *selection, uint32_t slot)
     return signs.negative == 0 && idle == 0xff;
 }
 
-static uint64_t examine_slots(const Selection *selection, uint32_t first, uint32_t end)
+static PercaleSelectionCounts examine_slots(const Selection *selection, uint32_t first, uint32_t end)
 {
     PercaleProximity *proximity = selection->proximity;
-    uint64_t searches = 0;
+    PercaleSelectionCounts counts = {0, 0};
     for (uint32_t slot = first; slot < end; slot++) {
         Answer answer = examine(proximity, selection->pair, selection->surface, slot);
-        bool is_active = answer == ACTIVE_KNOWN || answer == ACTIVE_SEARCHED;
+        bool is_active = answer != IDLE && answer != IDLE_SEARCHED;
         proximity->is_active[slot] = is_active;
         if (!is_active && selection->pair->is_pass_due && proximity->side[slot] > 0) {
             proximity->side[slot] = 0;
         }
-        searches += answer == ACTIVE_SEARCHED || answer == IDLE_SEARCHED;
+        counts.searches += answer != IDLE && answer != ACTIVE_KNOWN;
+        counts.missed += answer == ACTIVE_MISSED;
     }
-    return searches;
+    return counts;
+}
+
+static void add_counts(PercaleSelectionCounts *sum, PercaleSelectionCounts counts)
+{
+    sum->searches += counts.searches;
+    sum->missed += counts.missed;
 }
 
 static void examine_range(void *context, uint32_t first, uint32_t end)
 {
     Selection *selection = context;
-    uint64_t searches = 0;
+    PercaleSelectionCounts counts = {0, 0};
     uint32_t slot = first;
     for (; slot + WIDE <= end; slot += WIDE) {
-        if (are_idle(selection, slot)) {
+        if (!selection->pair->is_found_anew && are_idle(selection, slot)) {
             memset(selection->proximity->is_active + slot, 0, WIDE);
             if (selection->pair->is_pass_due) {
                 memset(selection->proximity->side + slot, 0, WIDE);
             }
         } else {
-            searches += examine_slots(selection, slot, slot + WIDE);
+            add_counts(&counts, examine_slots(selection, slot, slot + WIDE));
         }
     }
-    searches += examine_slots(selection, slot, end);
-    atomic_fetch_add_explicit(&selection->searches, searches, memory_order_relaxed);
+    add_counts(&counts, examine_slots(selection, slot, end));
+    atomic_fetch_add_explicit(&selection->searches, counts.searches, memory_order_relaxed);
+    atomic_fetch_add_explicit(&selection->missed, counts.missed, memory_order_relaxed);
 }
 
 /// Lists the active slots.
@@ -203,14 +235,14 @@ static void list_active(PercaleProximity *proximity, uint32_t slot_count)
     proximity->active_count = count;
 }
 
-uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
-                                  const PercaleSurface *surface, PercaleTeam *team)
+PercaleSelectionCounts percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
+                                                const PercaleSurface *surface, PercaleTeam *team)
 {
     enum { GRAIN_SLOTS = 512 };
     uint32_t slot_count = pair->model->slot_count;
-    Selection selection = {proximity, pair, surface,
-                           0.5f * (thickest_cloth(pair->model) + pair->obstacle->thickness), 0};
+    Selection selection = {
+        proximity, pair, surface, 0.5f * (thickest_cloth(pair->model) + pair->obstacle->thickness), 0, 0};
     percale_team_for(team, slot_count, GRAIN_SLOTS, examine_range, &selection);
     list_active(proximity, slot_count);
-    return selection.searches;
+    return (PercaleSelectionCounts){selection.searches, selection.missed};
 }

@@ -52,6 +52,7 @@ typedef struct PercalePair {
     const PercaleModelSurface *obstacle;
     float later_substeps; // after this one, until contacts are found anew; 0 when they are not in this one
     bool is_pass_due;     // in this substep
+    bool is_found_anew;   // in a pass: nothing that was known of distances saves a search (reuse=always)
 } PercalePair;
 
 /// `exact`: with a swept tree.
@@ -59,10 +60,14 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
                               const PercaleModelSurface *obstacle, bool exact, PercaleMemory *memory);
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
 
+typedef struct PercaleSelectionCounts {
+    uint64_t searches; // exact distance queries
+    uint64_t missed;   // vertices near the obstacle whose bounds deny it: only who looks anew sees them
+} PercaleSelectionCounts;
+
 /// Finds the active vertices. The tree is at the start pose; surface->points are the committed positions.
-/// Returns the number of exact distance queries.
-uint64_t percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
-                                  const PercaleSurface *surface, PercaleTeam *team);
+PercaleSelectionCounts percale_proximity_select(PercaleProximity *proximity, const PercalePair *pair,
+                                                const PercaleSurface *surface, PercaleTeam *team);
 
 /// Distance that the pair of the slot's cloth and the obstacle keeps: the mean of the two thicknesses, m.
 static inline float pair_thickness(const PercalePair *pair, uint32_t slot)

@@ -215,6 +215,10 @@ static PercaleGuardCounts guard_idle(const PercaleGuardStage *stage, uint32_t sl
 static PercaleGuardCounts guard_active(const PercaleGuardStage *stage, uint32_t index)
 {
     uint32_t slot = stage->proximity->active[index];
+    if (!(stage->predicted[slot][3] > 0.0f)) { // it has been pinched since (pinch.h)
+        spend_clearance(stage, slot);
+        return (PercaleGuardCounts){0, 0, 0};
+    }
     if (pass_by_bound(stage, slot, &stage->proximity->sightings[index])) {
         return (PercaleGuardCounts){0, 0, 0};
     }

@@ -2,6 +2,7 @@
 
 #include "detect/impact_time.h"
 #include "detect/passage.h"
+#include "detect/pinch.h"
 #include "percale/geometry.h"
 
 #include <string.h>
@@ -116,6 +117,14 @@ static bool comes_from_behind(const Kind *kind, uint32_t item, const PercalePass
     return !(vdot(outward, outward) > 0.0) || vdot(passage->normal, outward) > 0.0;
 }
 
+/// Whether a feature of the cloth is held between obstacles: there is no holding it back from them.
+static bool is_pinched(const Kind *kind, const uint32_t *corners)
+{
+    const uint8_t *pinched = kind->stage->is_pinched;
+    return pinched != NULL && kind->mesh != &kind->stage->model->cloth &&
+           percale_pinched_any(pinched, corners, kind->visiting.hood.arity);
+}
+
 static bool is_free(const Kind *kind, uint32_t item, uint32_t primitive)
 {
     const PercaleNoteList *known = kind->stage->known;
@@ -136,7 +145,7 @@ static void find_passing(const void *context, PercaleCollector *collector, const
         uint32_t points[4] = {query->points[0], edges ? query->points[1] : corners[0], corners[edges ? 0 : 1],
                               corners[edges ? 1 : 2]};
         if (!percale_candidates_collide(kind->stage->candidates, query->points[0], corners[0]) ||
-            is_free(kind, item, collector->neighbors.items[i].index)) {
+            is_free(kind, item, collector->neighbors.items[i].index) || is_pinched(kind, corners)) {
             continue;
         }
         Vec3 from[4];

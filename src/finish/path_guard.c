@@ -21,7 +21,7 @@ typedef struct Touch {
 
 static PercalePair pair_with(const PercalePathGuardStage *stage, uint32_t obstacle)
 {
-    return (PercalePair){stage->model, &stage->model->obstacles[obstacle], 0.0f, false};
+    return (PercalePair){.model = stage->model, .obstacle = &stage->model->obstacles[obstacle]};
 }
 
 static Touch find_touch(const PercalePathGuardStage *stage, uint32_t slot)

@@ -24,7 +24,7 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
     [PERCALE_SET_PASSES] = {{"passes", PERCALE_SETTING_INTEGER, {0}, 0, 1e6, "", NULL,
         "collision passes per frame, up to substeps x iterations; 0: one per substep"}, NULL, 0},
     [PERCALE_SET_REUSE] = {{"reuse", PERCALE_SETTING_CHOICE, {PERCALE_REUSE_AUTO}, 0, PERCALE_REUSE_ALWAYS, "", "auto|always",
-        "auto: contact candidates are kept while they hold; always: never"}, "detection without reuse", PERCALE_REUSE_ALWAYS},
+        "auto: contact candidates are kept while they hold; always: never"}, NULL, 0},
     [PERCALE_SET_CCD] = {{"ccd", PERCALE_SETTING_CHOICE, {PERCALE_CCD_RAY}, 0, PERCALE_CCD_EXACT, "", "off|ray|exact",
         "swept tests: rays for cloth vertices and obstacles; exact: conservative ones for these and for cloth and cloth"}, NULL, 0},
     [PERCALE_SET_HERMITE] = {{"hermite", PERCALE_SETTING_SWITCH, {0}, 0, 1, "", NULL,

@@ -1,0 +1,113 @@
+// What is kept of earlier detections changes nothing but the time: with reuse=always, which keeps nothing,
+// the state is the same bit for bit, and a bound that were wrong would be seen.
+
+#include "percale/scene.h"
+#include "solver.h"
+#include "testing.h"
+
+enum { SIZE = 900, FRAMES = PERCALE_SANITIZED ? 2 : 5, LAYERED_SIZE = 3000 };
+
+typedef struct Case {
+    const char *scene;
+    const char *substeps, *iterations;
+    uint64_t size;
+} Case;
+
+static const Case CASES[] = {
+    {"drape", "20", "1", SIZE}, {"drape", "2", "5", SIZE},          {"funnel", "20", "1", SIZE},
+    {"cards", "20", "1", SIZE}, {"layers", "5", "4", LAYERED_SIZE}, {"dress", "20", "1", 1000},
+};
+enum { CASE_COUNT = sizeof CASES / sizeof CASES[0] };
+
+/// The state after some frames.
+static uint64_t run(const Case *entry, const char *reuse, int threads, PercaleCounters *counters)
+{
+    PercaleSceneError error = {""};
+    PercaleScene *scene = percale_scene_open(entry->scene, entry->size, &error);
+    ck_assert_msg(scene != NULL, "%s", error.text);
+    const char *const settings[][2] = {{"substeps", entry->substeps},
+                                       {"iterations", entry->iterations},
+                                       {"self", "on"},
+                                       {"ee", "on"},
+                                       {"reuse", reuse}};
+    for (size_t i = 0; i < sizeof(settings) / sizeof(settings[0]); i++) {
+        ck_assert_msg(percale_scene_set(scene, settings[i][0], settings[i][1], &error), "%s", error.text);
+    }
+    PercaleSolver *solver = percale_scene_build(scene, threads, &error);
+    ck_assert_msg(solver != NULL, "%s", error.text);
+    for (uint32_t frame = 1; frame <= FRAMES; frame++) {
+        ck_assert_msg(percale_scene_move(scene, solver, frame, &error), "%s", error.text);
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, 1.0 / percale_scene_frame_rate(scene)));
+    }
+    uint64_t hash = percale_solver_hash(solver);
+    *counters = percale_solver_counters(solver);
+    percale_solver_destroy(solver);
+    percale_scene_close(scene);
+    return hash;
+}
+
+START_TEST(the_state_is_that_of_detecting_anew_at_every_pass)
+{
+    PercaleCounters kept;
+    PercaleCounters anew;
+    uint64_t expected = run(&CASES[_i], "auto", 1, &kept);
+    for (int threads = 1; threads <= 3; threads += 2) {
+        uint64_t hash = run(&CASES[_i], "always", threads, &anew);
+        ck_assert_msg(hash == expected, "%s, %d threads: %016lx instead of %016lx", CASES[_i].scene, threads,
+                      (unsigned long)hash, (unsigned long)expected);
+        ck_assert_uint_eq(anew.missed, 0);
+        ck_assert_uint_ge(anew.detections, 2 * kept.detections);
+        ck_assert_uint_gt(anew.candidates, kept.candidates);
+    }
+}
+END_TEST
+
+/// A sheet that has come to lie on a box; then the solver is told that a vertex is a metre away.
+static PercaleSolver *lie(PercaleReuse reuse, bool is_told_wrong)
+{
+    static const int FALL = 12; // frames
+    PercaleSolverDef def = percale_solver_def_default();
+    def.reuse = reuse;
+    def.ccd = PERCALE_CCD_OFF;
+    PercaleSolver *solver = percale_test_solver(def);
+    PercaleMesh sheet = percale_test_sheet(9, 0.1f);
+    PercaleMesh box = percale_test_box(0.3f, 0.1f, 0.3f);
+    percale_test_translate(&box, 0.0f, -0.06f, 0.0f);
+    (void)percale_test_add_cloth(solver, &sheet);
+    (void)percale_test_add_obstacle(solver, &box);
+    for (int frame = 0; frame <= FALL; frame++) {
+        if (frame == FALL && is_told_wrong) {
+            solver->proximities[0].clearance[0] = 1.0f;
+            solver->proximities[0].side[0] = 1;
+        }
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, 1.0 / 60.0));
+    }
+    percale_mesh_free(&sheet);
+    percale_mesh_free(&box);
+    return solver;
+}
+
+START_TEST(a_bound_that_is_wrong_is_counted_where_all_is_found_anew)
+{
+    PercaleSolver *right = lie(PERCALE_REUSE_ALWAYS, false);
+    PercaleSolver *wrong = lie(PERCALE_REUSE_ALWAYS, true);
+    PercaleSolver *unseen = lie(PERCALE_REUSE_AUTO, true);
+    ck_assert_uint_eq(percale_solver_counters(right).missed, 0);
+    ck_assert_uint_eq(percale_solver_counters(wrong).missed, 1);
+    ck_assert_uint_eq(percale_solver_counters(unseen).missed, 0);
+    percale_solver_destroy(right);
+    percale_solver_destroy(wrong);
+    percale_solver_destroy(unseen);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("reuse");
+    TCase *reuse = tcase_create("reuse");
+    tcase_set_timeout(reuse, 0);
+    tcase_add_loop_test(reuse, the_state_is_that_of_detecting_anew_at_every_pass, 0, CASE_COUNT);
+    tcase_add_test(reuse, a_bound_that_is_wrong_is_counted_where_all_is_found_anew);
+    suite_add_tcase(suite, reuse);
+    return percale_test_run(suite);
+}
