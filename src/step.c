@@ -75,6 +75,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .collectors = &solver->collectors,
                                    .passing = &solver->passing,
                                    .memory = &solver->detect_memory,
+                                   .arena = &solver->arena,
                                    .team = substep->team};
     PercalePairGuardCounts counts;
     bool complete = percale_pair_guard_run(&stage, &counts);

@@ -413,6 +413,7 @@ START_TEST(nothing_goes_through_however_it_is_thrown)
                                        .collectors = &solver->collectors,
                                        .passing = &solver->passing,
                                        .memory = &solver->detect_memory,
+                                       .arena = &solver->arena,
                                        .team = percale_team_alone()};
         PercalePairGuardCounts counts;
         double before[3];

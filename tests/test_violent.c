@@ -59,7 +59,7 @@ static void random_axes(uint64_t *seed, double axes[3][3])
 }
 
 /// Anywhere around the origin, its own way up, thrown at it and whirling.
-static void add_sheet(PercaleSolver *solver, uint64_t *seed, uint32_t side, double from, double speed)
+static PercaleCloth add_sheet(PercaleSolver *solver, uint64_t *seed, uint32_t side, double from, double speed)
 {
     PercaleMesh mesh = percale_test_sheet(side, SPACING * (float)(side - 1));
     double axes[3][3];
@@ -92,10 +92,11 @@ static void add_sheet(PercaleSolver *solver, uint64_t *seed, uint32_t side, doub
     PERCALE_TEST_OK(solver, percale_cloth_add(solver, &def, &cloth));
     free(velocities);
     percale_mesh_free(&mesh);
+    return cloth;
 }
 
-/// All come to the origin at the same moment; *frames later they have met.
-static PercaleSolver *throw_sheets(uint64_t *seed, int *frames)
+/// All come to the origin at the same moment; *frames later they have met. *first is the nearest one.
+static PercaleSolver *throw_sheets(uint64_t *seed, int *frames, PercaleCloth *first)
 {
     static const int PRESETS[][2] = {{2, 5}, {20, 1}, {80, 1}}; // swift, balanced, accurate
     PercaleSolverDef def = percale_solver_def_default();
@@ -113,10 +114,27 @@ static PercaleSolver *throw_sheets(uint64_t *seed, int *frames)
     double moment = farthest / between(seed, SLOWEST, FASTEST);
     for (int i = 0; i < count; i++) { // one behind the other, so that they start apart
         double from = clear * (1.0 + 2.0 * i);
-        add_sheet(solver, seed, side, from, from / moment);
+        PercaleCloth cloth = add_sheet(solver, seed, side, from, from / moment);
+        *first = i == 0 ? cloth : *first;
     }
     *frames = (int)ceil(2.0 * moment / FRAME) + 4;
     return solver;
+}
+
+/// Runs to the end. Returns the crossings, and what the guard has left.
+static double crossings_at_end(PercaleSolver *solver, int frames, void (*lead)(PercaleSolver *, void *, int),
+                               void *context)
+{
+    PercaleQuality quality = {0};
+    for (int frame = 0; frame < frames; frame++) {
+        if (lead != NULL) {
+            lead(solver, context, frame);
+        }
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+    }
+    PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
+    ck_assert(!(quality.nonfinite > 0.0));
+    return quality.ef_cloth_cloth;
 }
 
 START_TEST(what_is_thrown_together_ends_without_a_crossing)
@@ -125,17 +143,83 @@ START_TEST(what_is_thrown_together_ends_without_a_crossing)
     for (int i = first_run; i < first_run + run_count; i++) {
         uint64_t seed = 977 * (uint64_t)i + 13;
         int frames;
-        PercaleSolver *solver = throw_sheets(&seed, &frames);
-        PercaleQuality quality = {0};
-        for (int frame = 0; frame < frames; frame++) {
-            PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
-        }
-        PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
-        ck_assert(!(quality.nonfinite > 0.0));
-        if (quality.ef_cloth_cloth > 0.0) {
+        PercaleCloth first;
+        PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
+        double crossings = crossings_at_end(solver, frames, NULL, NULL);
+        if (crossings > 0.0) {
             crossed++;
             PercaleCounters counters = percale_solver_counters(solver);
-            printf("run %d: %g crossings, %g left by the guard\n", i, quality.ef_cloth_cloth,
+            printf("run %d: %g crossings, %g left by the guard\n", i, crossings,
+                   (double)counters.left_crossed);
+        }
+        percale_solver_destroy(solver);
+    }
+    ck_assert_int_eq(crossed, 0);
+}
+END_TEST
+
+enum { LED_MOST = 40 * 40 };
+
+/// A sheet that pins carry along at one speed.
+typedef struct Led {
+    PercalePin pin;
+    uint32_t vertices[LED_MOST];
+    uint32_t count;
+    float start[3 * LED_MOST];
+    double velocity[3]; // m/s
+} Led;
+
+static void lead_sheet(PercaleSolver *solver, void *context, int frame)
+{
+    const Led *led = context;
+    float targets[3 * LED_MOST];
+    for (uint32_t i = 0; i < 3 * led->count; i++) {
+        targets[i] = (float)((double)led->start[i] + led->velocity[i % 3] * FRAME * (frame + 1));
+    }
+    PERCALE_TEST_OK(solver, percale_pin_move(solver, led->pin, targets, 0));
+}
+
+/// The sheet goes on as it flies, whatever is in its way.
+static void pin_sheet(PercaleSolver *solver, PercaleCloth cloth, Led *led)
+{
+    PercaleClothView view;
+    PERCALE_TEST_OK(solver, percale_solver_validate(solver));
+    PERCALE_TEST_OK(solver, percale_cloth_view(solver, cloth, &view));
+    float velocities[3 * LED_MOST];
+    led->count = view.vertex_count;
+    ck_assert_uint_le(led->count, LED_MOST);
+    PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, cloth, led->start, 0));
+    PERCALE_TEST_OK(solver, percale_cloth_get_velocities(solver, cloth, velocities, 0));
+    for (uint32_t i = 0; i < led->count; i++) {
+        led->vertices[i] = i;
+        for (int k = 0; k < 3; k++) {
+            led->velocity[k] += (double)velocities[3 * i + (uint32_t)k] / led->count;
+        }
+    }
+    PercalePinDef pin = percale_pin_def_default();
+    pin.cloth = cloth;
+    pin.vertices = led->vertices;
+    pin.vertex_count = led->count;
+    PERCALE_TEST_OK(solver, percale_pin_add(solver, &pin, &led->pin));
+}
+
+/// What pins lead can't be held back: what lies before it goes along.
+START_TEST(what_pins_lead_into_others_takes_them_along)
+{
+    int crossed = 0;
+    for (int i = first_run; i < first_run + run_count; i++) {
+        uint64_t seed = 977 * (uint64_t)i + 13;
+        int frames;
+        PercaleCloth first;
+        PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
+        static Led led;
+        led = (Led){0};
+        pin_sheet(solver, first, &led);
+        double crossings = crossings_at_end(solver, frames, lead_sheet, &led);
+        PercaleCounters counters = percale_solver_counters(solver);
+        if (crossings > 0.0 || counters.left_crossed > 0) {
+            crossed++;
+            printf("run %d: %g crossings, %g left by the guard\n", i, crossings,
                    (double)counters.left_crossed);
         }
         percale_solver_destroy(solver);
@@ -156,6 +240,7 @@ int main(int argc, char **argv)
     TCase *violent = tcase_create("violent");
     tcase_set_timeout(violent, 0);
     tcase_add_test(violent, what_is_thrown_together_ends_without_a_crossing);
+    tcase_add_test(violent, what_pins_lead_into_others_takes_them_along);
     suite_add_tcase(suite, violent);
     return percale_test_run(suite);
 }

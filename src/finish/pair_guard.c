@@ -3,14 +3,16 @@
 #include "detect/impact_time.h"
 #include "detect/passage.h"
 #include "detect/pinch.h"
+#include "finish/zones.h"
 #include "percale/geometry.h"
 
 #include <string.h>
 
 enum {
-    PUSHES = 8, // rounds in which what has passed is pushed back
-    HALVES = 4, // rounds in which it goes half as far, before it doesn't go at all
-    ROUNDS = 32 // before nothing goes at all
+    PUSHES = 8,     // rounds in which what has passed is pushed back
+    HALVES = 4,     // rounds in which it goes half as far, before it goes together
+    ROUNDS = 32,    // before all the rest stands still
+    LAST_ROUND = 64 // before what is left is counted
 };
 
 // Share of the distance at the start that is left to what has passed: contact widens it again.
@@ -238,51 +240,73 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
     }
 }
 
-/// Those that still pass go less far; at last they stay.
-static void hold_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil, float share)
+/// Those that still pass go half as far.
+static void hold_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil)
 {
     const PercaleModel *model = stage->model;
     for (int k = 0; k < 4; k++) {
         uint32_t point = stencil->points[k];
         if (model->predicted[point][3] > 0.0f) {
-            f32x4 to = model->position[point] + (model->predicted[point] - model->position[point]) * share;
+            f32x4 to = model->position[point] + (model->predicted[point] - model->position[point]) * 0.5f;
             move_point(stage, point, to);
         }
     }
 }
 
-/// Nothing goes: then nothing passes but what pins and obstacles force.
-static void stop_all(const PercalePairGuardStage *stage)
+/// What still passes goes together; with `all` the rest stands still: then nothing passes but what pins and
+/// obstacles force.
+static void move_zones(const PercalePairGuardStage *stage, PercaleZones *zones, bool all)
 {
     const PercaleModel *model = stage->model;
+    for (size_t i = 0; i < stage->passing->count; i++) {
+        percale_zones_add(zones, model, &stage->passing->items[i]);
+    }
     for (uint32_t slot = 0; slot < model->slot_count; slot++) {
-        if (model->predicted[slot][3] > 0.0f) {
-            move_point(stage, slot, model->position[slot]);
+        bool held = zones->parent[slot] != NO_ZONE;
+        if (model->predicted[slot][3] > 0.0f && (held || all)) {
+            f32x4 motion = held ? percale_zones_motion(zones, slot) : (f32x4){0};
+            move_point(stage, slot, model->position[slot] + motion);
         }
     }
+}
+
+/// What of the guard's work is done in this round.
+static bool put_back(const PercalePairGuardStage *stage, int round, PercaleZones *zones)
+{
+    const PercaleStencilList *passing = stage->passing;
+    if (round == PUSHES + HALVES && !percale_zones_create(zones, stage->model, stage->arena)) {
+        return false;
+    }
+    if (round >= PUSHES + HALVES) {
+        move_zones(stage, zones, round >= ROUNDS);
+        return true;
+    }
+    for (size_t i = 0; i < passing->count; i++) { // few, and in a fixed order
+        if (round < PUSHES) {
+            push_back(stage, &passing->items[i]);
+        } else {
+            hold_back(stage, &passing->items[i]);
+        }
+    }
+    return true;
 }
 
 bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
 {
     *counts = (PercalePairGuardCounts){0};
-    for (int round = 0; round < ROUNDS; round++) {
+    PercaleZones zones;
+    for (int round = 0; round < LAST_ROUND; round++) {
         if (!find_passages(stage, counts)) {
             return false;
         }
-        const PercaleStencilList *passing = stage->passing;
-        if (passing->count == 0) {
+        if (stage->passing->count == 0) {
             return true;
         }
-        counts->pushed += passing->count;
-        for (size_t i = 0; i < passing->count; i++) { // few, and in a fixed order
-            if (round < PUSHES) {
-                push_back(stage, &passing->items[i]);
-            } else {
-                hold_back(stage, &passing->items[i], round < PUSHES + HALVES ? 0.5f : 0.0f);
-            }
+        counts->pushed += stage->passing->count;
+        if (!put_back(stage, round, &zones)) {
+            return false;
         }
     }
-    stop_all(stage);
     if (!find_passages(stage, counts)) {
         return false;
     }

@@ -6,10 +6,10 @@
 //
 // Whoever has passed is pushed back to the side it came from, by the same stencil that contact uses, so
 // momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, all that
-// still pass go only half their ways, then not at all, at last no vertex does: a start without crossings is
-// an end without (so do the fail-safes of Harmon 2008, for small groups). Obstacles and pins can't be held
-// back: what they force through is counted. What passes an obstacle's feature from behind is let through, as
-// its vertices are.
+// still pass go only half their ways, then together as zones (zones.h), which stand still or go with the pins
+// and obstacles that push them; at last all the rest stands still: a start without crossings is an end
+// without. What pins and obstacles that part or meet force through even so is counted. What passes an
+// obstacle's feature from behind is let through, as its vertices are.
 //
 // Who has passed is asked of a cubic in double, without a bound of its error, and motion in one plane is no
 // passage for it. With `exact` what may have touched at any time has passed (impact_time.h): no rounding and
@@ -33,6 +33,7 @@ typedef struct PercalePairGuardStage {
     PercaleCollectors *collectors;
     PercaleStencilList *passing; // scratch
     PercaleMemory *memory;
+    PercaleArena *arena;
     PercaleTeam *team;
 } PercalePairGuardStage;
 
