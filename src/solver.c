@@ -60,6 +60,7 @@ PercaleSolverDef percale_solver_def_default(void)
         .ccd = PERCALE_CCD_RAY,
         .isa = PERCALE_ISA_AUTO,
         .vertex_face = 1,
+        .guard = 1,
         .tethers = 1,
         .bending = 1,
     };

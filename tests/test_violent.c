@@ -2,6 +2,7 @@
 //
 // `test_violent --full [first count]` makes 1,000 runs of 500 to 2,000 vertices, or some of them.
 
+#include "solver.h"
 #include "testing.h"
 
 #include <math.h>
@@ -158,6 +159,22 @@ START_TEST(what_is_thrown_together_ends_without_a_crossing)
 }
 END_TEST
 
+START_TEST(without_the_guard_some_cross)
+{
+    double crossings = 0.0;
+    for (int i = 0; i < 3; i++) {
+        uint64_t seed = 977 * (uint64_t)i + 13;
+        int frames;
+        PercaleCloth first;
+        PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
+        solver->def.guard = 0;
+        crossings += crossings_at_end(solver, frames, NULL, NULL);
+        percale_solver_destroy(solver);
+    }
+    ck_assert_double_gt(crossings, 0.0);
+}
+END_TEST
+
 enum { LED_MOST = 40 * 40 };
 
 /// A sheet that pins carry along at one speed.
@@ -240,6 +257,7 @@ int main(int argc, char **argv)
     TCase *violent = tcase_create("violent");
     tcase_set_timeout(violent, 0);
     tcase_add_test(violent, what_is_thrown_together_ends_without_a_crossing);
+    tcase_add_test(violent, without_the_guard_some_cross);
     tcase_add_test(violent, what_pins_lead_into_others_takes_them_along);
     suite_add_tcase(suite, violent);
     return percale_test_run(suite);

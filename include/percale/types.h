@@ -97,6 +97,7 @@ typedef struct PercaleSolverDef {
     int vertex_face;    ///< 1: cloth vertices collide with obstacles
     int edge_edge;      ///< 1: edges collide with edges, and obstacle vertices with cloth faces
     int self_collision; ///< 1: cloth collides with cloth; its edges too where edge_edge is 1
+    int guard;          ///< 1: what has passed after the last sweep is put back; 0: left to the next contacts
     int untangle;       ///< 1: crossings are resolved (not in this version)
     int tethers; ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
     int bending; ///< 1: cloth resists bending

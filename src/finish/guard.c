@@ -151,14 +151,14 @@ static PercaleGuardCounts guard_vertex(const PercaleGuardStage *stage, uint32_t 
     // an idle vertex is farther away than the obstacle moves: the obstacle passes first, without taking it
     // along
     uint32_t along_with = was_below || was_above ? proximity->nearest[slot] : NO_TRIANGLE;
-    bool crossed = stage->test_paths && motion >= (double)proximity->clearance[slot] && !was_below &&
-                   stop_at_crossing(stage, slot, gap, along_with);
+    bool crossed = stage->corrects && stage->test_paths && motion >= (double)proximity->clearance[slot] &&
+                   !was_below && stop_at_crossing(stage, slot, gap, along_with);
     bool in_front = crossed || was_above || (!was_below && closed); // of an idle vertex the side is not known
     Judgement judgement = judge(stage, vec3_of(stage->predicted[slot]), radius, proximity->nearest[slot]);
     bool is_held = closed || crossed ||
                    (in_front && has_slipped_through(stage->pair, proximity, slot,
                                                     sqrt(judgement.nearest.closest.distance2)));
-    for (int i = 0; i < ATTEMPTS && is_below(stage, &judgement) && is_held; i++) {
+    for (int i = 0; i < (stage->corrects ? ATTEMPTS : 0) && is_below(stage, &judgement) && is_held; i++) {
         lift_out(stage, slot, gap, in_front, &judgement.nearest);
         judgement = judge(stage, vec3_of(stage->predicted[slot]), 2.0 * radius, judgement.nearest.triangle);
         crossed = true;

@@ -23,6 +23,7 @@ typedef struct PercaleGuardStage {
     f32x4 *velocity;  // [slot_count] m/s, too
     float dt;         // s
     bool test_paths;  // ccd=ray
+    bool corrects;    // else it only counts, and keeps the clearances
     PercaleProximity *
         judged; // [judged_count] of the obstacles that have been before: what this one moves, they don't know
     uint32_t judged_count;

@@ -35,6 +35,8 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
         "cloth collides with cloth"}, NULL, 0},
     [PERCALE_SET_OBSTACLE] = {{"obstacle", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "the obstacles are there"}, NULL, 0},
+    [PERCALE_SET_GUARD] = {{"guard", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
+        "what has passed after the last sweep is put back"}, NULL, 0},
     [PERCALE_SET_UNTANGLE] = {{"untangle", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "crossings are resolved"}, "untangling", 1},
     [PERCALE_SET_TETHERS] = {{"tethers", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
@@ -327,6 +329,7 @@ PercaleSolverDef percale_settings_solver_def(const PercaleSettings *settings, in
     def.vertex_face = percale_settings_switch(settings, PERCALE_SET_OBSTACLE);
     def.edge_edge = percale_settings_switch(settings, PERCALE_SET_EE);
     def.self_collision = percale_settings_switch(settings, PERCALE_SET_SELF);
+    def.guard = percale_settings_switch(settings, PERCALE_SET_GUARD);
     def.untangle = percale_settings_switch(settings, PERCALE_SET_UNTANGLE);
     def.tethers = percale_settings_switch(settings, PERCALE_SET_TETHERS);
     def.bending = percale_settings_switch(settings, PERCALE_SET_BENDING);
