@@ -346,6 +346,15 @@ static void forget_pairs(PercaleCandidates *candidates)
     }
 }
 
+/// Takes what a block has lost from its bounds themselves.
+static void settle_bounds(PercaleBlockPairs *pairs)
+{
+    for (size_t k = 0; k < pairs->count; k++) {
+        pairs->bounds[k] -= pairs->lost;
+    }
+    pairs->lost = 0.0f;
+}
+
 /// After the blocks have drifted: a pair of things that are not far from each other has come nearer by no
 /// more. One of things that are far is farther apart than the farthest bound.
 static void lose_bounds(PercaleCandidates *candidates, float far)
@@ -357,10 +366,7 @@ static void lose_bounds(PercaleCandidates *candidates, float far)
             PercaleBlockPairs *pairs = &list->pairs[b];
             pairs->lost += candidates->blocks.items[list->first_block + b].drifted + BOUND_ROUNDED * far;
             if (pairs->lost > MOST_LOST) {
-                for (size_t k = 0; k < pairs->count; k++) {
-                    pairs->bounds[k] -= pairs->lost;
-                }
-                pairs->lost = 0.0f;
+                settle_bounds(pairs);
             }
         }
     }
