@@ -374,7 +374,8 @@ bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandida
     uint32_t range[2];
     searching_blocks(candidates, range);
     candidates->bounded = !stage->all_near;
-    percale_blocks_measure(blocks, stage->from, stage->to, candidates->bounded, stage->team);
+    PercaleBlockWays ways = {stage->from, stage->to, stage->again};
+    percale_blocks_measure(blocks, &ways, candidates->bounded, stage->team);
     percale_blocks_compare(blocks, range[0], range[1], reach, stage->team);
     if (candidates->bounded) {
         lose_bounds(candidates, reach.far);
