@@ -46,6 +46,7 @@ typedef struct PercaleCandidateList {
 typedef struct PercaleCandidates {
     const PercaleModel *model;
     PercaleTree faces, edges;    // of the cloth; edges only where they collide
+    uint32_t *last_edges;        // [lowest nodes of the tree over edges] the greatest edge in each
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
