@@ -17,7 +17,7 @@ typedef struct Swarm {
     PercaleBlocks blocks;
     f32x4 from[POINTS], to[POINTS];
     f32x4 then[BLOCKS][POINTS];
-    bool remember;
+    bool remember, again;
     uint64_t seed;
 } Swarm;
 
@@ -70,7 +70,8 @@ static void begin(Swarm *swarm, uint32_t *listed, uint32_t count, float most)
 
 static void look(Swarm *swarm)
 {
-    percale_blocks_measure(&swarm->blocks, swarm->from, swarm->to, swarm->remember, percale_team_alone());
+    PercaleBlockWays ways = {swarm->from, swarm->to, swarm->again};
+    percale_blocks_measure(&swarm->blocks, &ways, swarm->remember, percale_team_alone());
     percale_blocks_compare(&swarm->blocks, 0, BLOCKS, (PercaleBlockReach){REACH, FAR}, percale_team_alone());
 }
 
@@ -218,6 +219,78 @@ START_TEST(what_has_turned_and_drifted_is_never_more_than_they_say)
 }
 END_TEST
 
+/// Some points of a few blocks end elsewhere; blocks say what they would if all were measured.
+static void shove(Swarm *swarm)
+{
+    uint32_t first = (uint32_t)(percale_test_random(&swarm->seed) * BLOCKS);
+    for (uint32_t i = 0; i < POINTS; i++) {
+        if (i / BLOCK_POINTS == first && percale_test_random(&swarm->seed) < 0.3) {
+            swarm->to[i] += (f32x4){0.02f * around_zero(swarm), 0.0f, 0.02f * around_zero(swarm), 0.0f};
+        }
+    }
+}
+
+START_TEST(what_is_measured_again_says_the_same)
+{
+    Swarm swarm;
+    Swarm twin; // is measured as a whole
+    open_swarm(&swarm);
+    open_swarm(&twin);
+    swarm.remember = twin.remember = true;
+    uint32_t all[BLOCKS];
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        all[b] = b;
+    }
+    look(&swarm);
+    look(&twin);
+    begin(&swarm, all, BLOCKS, 0.0f);
+    begin(&twin, all, BLOCKS, 0.0f);
+    uint32_t stood = 0;
+    uint32_t changed = 0;
+    for (int step = 0; step < STEPS; step++) {
+        swarm.again = step % 6 != 0;
+        if (swarm.again) {
+            shove(&swarm);
+        } else {
+            move(&swarm, step);
+        }
+        memcpy(twin.from, swarm.from, sizeof(twin.from));
+        memcpy(twin.to, swarm.to, sizeof(twin.to));
+        look(&swarm);
+        look(&twin);
+        for (uint32_t b = 0; b < BLOCKS; b++) {
+            const PercaleBlock *said = &swarm.blocks.items[b];
+            const PercaleBlock *whole = &twin.blocks.items[b];
+            ck_assert(memcmp(said->centre, whole->centre, sizeof(said->centre)) == 0);
+            ck_assert(memcmp(said->deviation, whole->deviation, sizeof(said->deviation)) == 0);
+            ck_assert(said->turned >= whole->turned);
+            for (uint32_t other = 0; other < CLOTH_BLOCKS; other++) {
+                ck_assert(!are_near(&swarm, b, other, REACH) ||
+                          said->moved >= moved_against(&swarm, b, other));
+            }
+            ck_assert(said->drifted == whole->drifted);
+            stood += !said->changed && said->turned == whole->turned;
+            changed += said->changed;
+        }
+        if (percale_test_random(&swarm.seed) < 0.3) { // with anchors of their own
+            uint32_t listed[BLOCKS] = {(uint32_t)(percale_test_random(&swarm.seed) * BLOCKS)};
+            uint32_t count = 1;
+            for (uint32_t b = 0; b < BLOCKS; b++) {
+                if (b != listed[0] && swarm.blocks.items[b].moment == percale_blocks_oldest(&swarm.blocks)) {
+                    listed[count++] = b;
+                }
+            }
+            begin(&swarm, listed, count, 1.0f);
+            begin(&twin, listed, count, 1.0f);
+        }
+    }
+    ck_assert_uint_gt(stood, BLOCKS * STEPS / 2);
+    ck_assert_uint_gt(changed, BLOCKS * STEPS / 6);
+    close_swarm(&swarm);
+    close_swarm(&twin);
+}
+END_TEST
+
 START_TEST(what_moves_alike_has_not_moved)
 {
     Swarm swarm;
@@ -252,6 +325,7 @@ int main(void)
     TCase *blocks = tcase_create("blocks");
     tcase_add_test(blocks, what_blocks_have_moved_is_never_more_than_they_say);
     tcase_add_test(blocks, what_has_turned_and_drifted_is_never_more_than_they_say);
+    tcase_add_test(blocks, what_is_measured_again_says_the_same);
     tcase_add_test(blocks, what_moves_alike_has_not_moved);
     suite_add_tcase(suite, blocks);
     return percale_test_run(suite);

@@ -42,6 +42,11 @@ bool percale_blocks_add(PercaleBlockLister *lister, uint32_t point, PercaleMemor
     return true;
 }
 
+static uint32_t node_count(const PercaleTree *tree)
+{
+    return tree->level_first[tree->level_count - 1] + 1;
+}
+
 bool percale_blocks_create(PercaleBlocks *blocks, PercaleBlockLister *lister, uint32_t cloth_count,
                            const f32x4 *x, PercaleMemory *memory)
 {
@@ -71,7 +76,11 @@ bool percale_blocks_create(PercaleBlocks *blocks, PercaleBlockLister *lister, ui
         blocks->corner_pairs[2 * b] = 2 * b;
         blocks->corner_pairs[2 * b + 1] = 2 * b + 1;
     }
-    return percale_tree_build(&blocks->tree, blocks->corner_pairs, 2, cloth_count, blocks->corners, memory);
+    if (!percale_tree_build(&blocks->tree, blocks->corner_pairs, 2, cloth_count, blocks->corners, memory)) {
+        return false;
+    }
+    blocks->changed = percale_memory_new(memory, node_count(&blocks->tree), sizeof(blocks->changed[0]));
+    return blocks->changed != NULL;
 }
 
 void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory)
@@ -84,6 +93,7 @@ void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory)
     percale_memory_free(memory, blocks->moments);
     percale_memory_free(memory, blocks->corners);
     percale_memory_free(memory, blocks->corner_pairs);
+    percale_memory_free(memory, blocks->changed);
     percale_tree_free(&blocks->tree, memory);
     *blocks = (PercaleBlocks){0};
 }
@@ -95,6 +105,7 @@ typedef struct Measuring {
     PercaleBlocks *blocks;
     const f32x4 *ways[2]; // where they start and end
     bool remember;
+    bool again;              // where a block's points were remembered, all of it is known
     float most;              // m
     PercaleBlockReach reach; // m
     const uint32_t *listed;
@@ -216,12 +227,30 @@ static void remember(const Measuring *measuring, uint32_t b)
     blocks->items[b].last_centre = blocks->items[b].centre[1];
 }
 
+/// Whether all points are where they were remembered.
+static bool stands(const Measuring *measuring, uint32_t b)
+{
+    const PercaleBlocks *blocks = measuring->blocks;
+    bool same = true;
+    for (uint32_t i = blocks->first[b]; same && i < blocks->first[b + 1]; i++) {
+        f32x4 now = measuring->ways[1][blocks->points[i]];
+        same =
+            now[0] == blocks->lasts[i][0] && now[1] == blocks->lasts[i][1] && now[2] == blocks->lasts[i][2];
+    }
+    return same;
+}
+
 static void measure_range(void *context, uint32_t first, uint32_t end)
 {
     const Measuring *measuring = context;
     const PercaleBlocks *blocks = measuring->blocks;
     for (uint32_t b = first; b < end; b++) {
         PercaleBlock *block = &blocks->items[b];
+        block->changed = !measuring->again || !stands(measuring, b);
+        if (!block->changed) {
+            block->drift = (f32x4){0};
+            continue;
+        }
         block->low = block->high = measuring->ways[0][blocks->points[blocks->first[b]]];
         for (int place = 0; place < 2; place++) {
             measure_place(blocks, b, measuring->ways[place], place);
@@ -237,12 +266,38 @@ static void measure_range(void *context, uint32_t first, uint32_t end)
     }
 }
 
-void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, bool remember,
+/// Marks which nodes of the tree have changed blocks below them. They are few: blocks, not points.
+static void mark_changed(PercaleBlocks *blocks)
+{
+    const PercaleTree *tree = &blocks->tree;
+    for (uint32_t level = 0; level < tree->level_count; level++) {
+        uint32_t below = level == 0 ? tree->primitive_count : tree->level_size[level - 1];
+        for (uint32_t node = 0; node < tree->level_size[level]; node++) {
+            uint32_t bits = 0;
+            for (uint32_t k = 0; k < TREE_WIDTH && TREE_WIDTH * node + k < below; k++) {
+                uint32_t child = TREE_WIDTH * node + k;
+                bool changed = level == 0 ? blocks->items[tree->order[child]].changed
+                                          : blocks->changed[tree->level_first[level - 1] + child] != 0;
+                bits |= (uint32_t)changed << k;
+            }
+            blocks->changed[tree->level_first[level] + node] = (uint8_t)bits;
+        }
+    }
+}
+
+void percale_blocks_measure(PercaleBlocks *blocks, const PercaleBlockWays *ways, bool remember,
                             PercaleTeam *team)
 {
-    Measuring measuring = {.blocks = blocks, .ways = {from, to}, .remember = remember};
+    Measuring measuring = {.blocks = blocks,
+                           .ways = {ways->from, ways->to},
+                           .remember = remember,
+                           .again = ways->again && blocks->remembered};
     percale_team_for(team, blocks->count, GRAIN_BLOCKS, measure_range, &measuring);
     percale_tree_refit(&blocks->tree, blocks->corner_pairs, blocks->corners, team);
+    if (measuring.again) { // else all have changed
+        mark_changed(blocks);
+    }
+    blocks->remembered = remember;
 }
 
 // ---- compare ----
@@ -293,6 +348,30 @@ static f32x4 reaching(float reach)
     return (f32x4){reach, reach, reach, 0.0f};
 }
 
+/// Whether a block has changed, or one of the cloth that is not far from it.
+static bool has_changed(const PercaleBlocks *blocks, uint32_t a, PercaleBlockReach reach)
+{
+    const PercaleTree *tree = &blocks->tree;
+    const PercaleBlock *block = &blocks->items[a];
+    f32x4 low = block->low - reaching(reach.far);
+    f32x4 high = block->high + reaching(reach.far);
+    PercaleTreeEntry stack[TREE_STACK];
+    uint32_t size = 0;
+    bool changed = block->changed;
+    stack[size++] = tree_root(tree);
+    while (!changed && size > 0) {
+        PercaleTreeEntry entry = stack[--size];
+        uint32_t bits = blocks->changed[tree->level_first[entry.level] + entry.node];
+        bits = bits == 0 ? 0 : bits & lane_bits(tree_box_overlaps(tree_node(tree, entry), low, high));
+        changed = entry.level == 0 && bits != 0;
+        for (; !changed && bits != 0; bits &= bits - 1) {
+            uint32_t k = (uint32_t)__builtin_ctz(bits);
+            stack[size++] = (PercaleTreeEntry){entry.level - 1, TREE_WIDTH * entry.node + k};
+        }
+    }
+    return changed;
+}
+
 /// How far a block has moved against the blocks of the cloth that are near it on its way, or not far.
 static void find_moved(PercaleBlocks *blocks, uint32_t a, PercaleBlockReach reach)
 {
@@ -325,7 +404,11 @@ static void compare_range(void *context, uint32_t first, uint32_t end)
 {
     const Measuring *measuring = context;
     for (uint32_t a = first; a < end; a++) {
-        find_moved(measuring->blocks, a, measuring->reach);
+        if (has_changed(measuring->blocks, a, measuring->reach)) {
+            find_moved(measuring->blocks, a, measuring->reach);
+        } else { // nor has anything there drifted
+            measuring->blocks->items[a].drifted = 0.0f;
+        }
     }
 }
 

@@ -36,6 +36,7 @@ typedef struct PercaleBlock {
                          // of any of its points, at most
     float turned;        // m, on these ways, its points against any not far from them, at most
     float drifted;       // m, to their ends since last remembered, the same
+    bool changed;        // it is not where it was when last measured
 } PercaleBlock;
 
 typedef struct PercaleBlocks {
@@ -51,6 +52,8 @@ typedef struct PercaleBlocks {
     f32x4 *corners;   // [2 * cloth_count] of the boxes
     uint32_t *corner_pairs; // [2 * cloth_count] 0, 1, 2 ...: the tree's primitives
     PercaleTree tree;       // over the boxes of the cloth's blocks
+    uint8_t *changed;       // [nodes] of the tree: a bit for each child below which a block has changed
+    bool remembered;        // at the last measuring, where all points were
 } PercaleBlocks;
 
 /// Points of all blocks one after the other, while they are listed.
@@ -70,8 +73,14 @@ bool percale_blocks_create(PercaleBlocks *blocks, PercaleBlockLister *lister, ui
                            const f32x4 *x, PercaleMemory *memory);
 void percale_blocks_free(PercaleBlocks *blocks, PercaleMemory *memory);
 
+/// How points have got to where they are measured.
+typedef struct PercaleBlockWays {
+    const f32x4 *from, *to;
+    bool again; // they start where they did when last measured; some may end elsewhere
+} PercaleBlockWays;
+
 /// Boxes, centres and deviations on these ways. `remember`: from here on drifts count from their ends.
-void percale_blocks_measure(PercaleBlocks *blocks, const f32x4 *from, const f32x4 *to, bool remember,
+void percale_blocks_measure(PercaleBlocks *blocks, const PercaleBlockWays *ways, bool remember,
                             PercaleTeam *team);
 
 /// Which boxes are compared.
@@ -80,7 +89,8 @@ typedef struct PercaleBlockReach {
     float far;  // m, too; of what has turned and drifted
 } PercaleBlockReach;
 
-/// Finds out how far the blocks [first, end) have moved.
+/// Finds out how far the blocks [first, end) have moved. What was found for one is left where nothing near it
+/// has changed since.
 void percale_blocks_compare(PercaleBlocks *blocks, uint32_t first, uint32_t end, PercaleBlockReach reach,
                             PercaleTeam *team);
 

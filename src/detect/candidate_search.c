@@ -50,14 +50,32 @@ static inline bool is_own(const Search *search, const PercaleQuery *query, uint3
     return own;
 }
 
+/// Whether a list's items are the cloth's edges: asked against each other, each pair once.
+static bool asks_only_later(const Search *search)
+{
+    return search->tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
+}
+
+/// Drops the nodes whose edges all come before the group's.
+static void drop_earlier(const Search *search, const Group *group, PercaleNodeList *nodes)
+{
+    const uint32_t *last = search->candidates->last_edges;
+    size_t count = 0;
+    for (size_t i = 0; i < nodes->count; i++) {
+        uint32_t node = nodes->items[i];
+        nodes->items[count] = node;
+        count += last[node] > group->first;
+    }
+    nodes->count = count;
+}
+
 /// Adds the primitives whose boxes the query's touches; of the cloth's edges, those after it.
 static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
 {
     const PercaleTree *tree = search->tree;
     const PercaleQuery *query = &search->list->queries[group->first + k];
     PercaleItemPairList *touched = &collector->touched;
-    bool only_later = tree->arity == 2 && search->list->mesh == &search->candidates->model->cloth;
-    uint32_t first = only_later ? group->first + k + 1 : 0; // the cloth's are in their own order
+    uint32_t first = asks_only_later(search) ? group->first + k + 1 : 0; // the cloth's are in their own order
     size_t most = touched->count + TREE_WIDTH * collector->nodes.count;
     if (!percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, most,
                                 sizeof(touched->items[0]))) {
@@ -118,6 +136,9 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     collector->touched.count = found->count = 0;
     bool complete =
         percale_tree_overlap(search->tree, group.least, group.most, &collector->memory, &collector->nodes);
+    if (asks_only_later(search)) {
+        drop_earlier(search, &group, &collector->nodes);
+    }
     for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
         complete = list_touched(search, &group, k, collector);
     }

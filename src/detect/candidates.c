@@ -253,6 +253,24 @@ static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBloc
     return complete && candidates->spent.blocks != NULL;
 }
 
+/// The tree over the cloth's edges, and the last one in each of its lowest nodes. False without memory.
+static bool create_edges(PercaleCandidates *candidates, PercaleMemory *memory)
+{
+    const PercaleEdges *edges = &candidates->model->cloth.edges;
+    PercaleTree *tree = &candidates->edges;
+    if (!percale_tree_build(tree, edges->vertices[0], 2, edges->edge_count, candidates->model->position,
+                            memory)) {
+        return false;
+    }
+    uint32_t *last = percale_memory_new(memory, tree->level_size[0], sizeof(uint32_t));
+    for (uint32_t i = 0; last != NULL && i < edges->edge_count; i++) {
+        uint32_t node = i / TREE_WIDTH;
+        last[node] = tree->order[i] > last[node] ? tree->order[i] : last[node];
+    }
+    candidates->last_edges = last;
+    return last != NULL;
+}
+
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
                                bool edges, bool obstacles, PercaleMemory *memory)
 {
@@ -269,8 +287,7 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
                     create_blocks(candidates, edges, &lister, memory) &&
                     percale_tree_build(&candidates->faces, model->cloth.triangles, 3,
                                        model->cloth.triangle_count, model->position, memory) &&
-                    (!edges || percale_tree_build(&candidates->edges, model->cloth.edges.vertices[0], 2,
-                                                  model->cloth.edges.edge_count, model->position, memory));
+                    (!edges || create_edges(candidates, memory));
     percale_memory_free(memory, lister.last);
     percale_memory_free(memory, lister.first);
     percale_memory_free(memory, lister.points);
@@ -293,6 +310,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     }
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->spent.blocks);
+    percale_memory_free(memory, candidates->last_edges);
     percale_blocks_free(&candidates->blocks, memory);
     percale_tree_free(&candidates->faces, memory);
     percale_tree_free(&candidates->edges, memory);
@@ -380,7 +398,8 @@ bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandida
     uint32_t range[2];
     searching_blocks(candidates, range);
     candidates->bounded = !stage->all_near;
-    percale_blocks_measure(blocks, stage->from, stage->to, candidates->bounded, stage->team);
+    PercaleBlockWays ways = {stage->from, stage->to, stage->again};
+    percale_blocks_measure(blocks, &ways, candidates->bounded, stage->team);
     percale_blocks_compare(blocks, range[0], range[1], reach, stage->team);
     if (candidates->bounded) {
         lose_bounds(candidates, reach.far);

@@ -46,6 +46,7 @@ typedef struct PercaleCandidateList {
 typedef struct PercaleCandidates {
     const PercaleModel *model;
     PercaleTree faces, edges;    // of the cloth; edges only where they collide
+    uint32_t *last_edges;        // [lowest nodes of the tree over edges] the greatest edge in each
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
@@ -65,6 +66,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
 /// What candidates are needed for, and what is needed to find them.
 typedef struct PercaleCandidateStage {
     const f32x4 *from, *to; // ways of the points, on which nothing may be missed
+    bool again;             // they start where they did when the candidates were last kept
     float spare;            // m; beyond the margin that may be spent: nothing needs to be known within it
     bool all_near;          // pairs whose ways come near each other, even if they don't end so
     PercaleCollectors *collectors;

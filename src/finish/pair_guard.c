@@ -169,12 +169,14 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     percale_candidates_visit(&kind->visiting, collector, first, end);
 }
 
-/// All passages from the start to where the points are now.
-static bool find_passages(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
+/// All passages from the start to where the points are now. `again`: they have been found already, and some
+/// moved.
+static bool find_passages(const PercalePairGuardStage *stage, bool again, PercalePairGuardCounts *counts)
 {
     PercaleCandidates *candidates = stage->candidates;
     PercaleCandidateStage needed = {.from = stage->model->position,
                                     .to = stage->model->predicted,
+                                    .again = again,
                                     .spare = percale_candidates_least_reach(candidates),
                                     .collectors = stage->collectors,
                                     .memory = stage->memory,
@@ -296,7 +298,7 @@ bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuard
     *counts = (PercalePairGuardCounts){0};
     PercaleZones zones;
     for (int round = 0; round < LAST_ROUND; round++) {
-        if (!find_passages(stage, counts)) {
+        if (!find_passages(stage, round > 0, counts)) {
             return false;
         }
         if (stage->passing->count == 0) {
@@ -307,7 +309,7 @@ bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuard
             return false;
         }
     }
-    if (!find_passages(stage, counts)) {
+    if (!find_passages(stage, true, counts)) {
         return false;
     }
     counts->left = stage->passing->count;
