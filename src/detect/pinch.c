@@ -204,7 +204,7 @@ void percale_pinches_end(const PercalePinchStage *stage)
 
 // ---- who is pinched ----
 
-enum { NO_STENCIL = UINT32_MAX };
+static const uint32_t NO_STENCIL = UINT32_MAX;
 
 /// Two stencils of a vertex that oppose each other.
 typedef struct Opposed {
