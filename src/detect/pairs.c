@@ -42,6 +42,7 @@ static void find_item(const void *context, PercaleCollector *collector, const Pe
     const PercalePairStage *stage = kind->stage;
     const PercaleModelSurface *mesh = stage->candidates->lists[kind->visiting.list].mesh;
     bool edges = kind->visiting.hood.arity == 2;
+    const PercaleNeighborList given = collector->neighbors; // the next item's come after these
     collector->source = source_of(kind, place);
     if (mesh != &stage->model->cloth) {
         drop_pinched(kind, collector);
@@ -55,6 +56,7 @@ static void find_item(const void *context, PercaleCollector *collector, const Pe
     } else {
         percale_pair_find_obstacle_vertex(stage, collector, mesh, query->points[0]);
     }
+    collector->neighbors = given;
 }
 
 static void find_items(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
