@@ -197,7 +197,7 @@ static PercaleResult finish(Substep *substep)
     }
     PercalePinchStage pinches = pinch_stage_of(substep);
     percale_pinches_end(&pinches);
-    solver->counters.pinched += solver->pinches.count;
+    solver->counters.pinched += solver->pinches.held_count;
     if (substep->any_leaves && !end_exits(substep)) {
         return percale_fail_memory(&solver->error);
     }

@@ -175,7 +175,7 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .dt = substep->dt,
                               .may_be_crossed = solver->may_be_crossed,
                               .only = only,
-                              .is_pinched = pinched_or_none(solver),
+                              .pinches = pinches_or_none(solver),
                               .team = substep->team};
     PercalePairCounts counts = {0};
     if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {

@@ -55,10 +55,16 @@ static inline bool is_bending_held(const PercaleSolver *solver)
     return solver->model.hinge_count > 0 && solver->bend_interval > 1;
 }
 
-/// Which of the cloth's vertices are pinched; NULL: none is.
+/// PercalePinchState of each vertex of the cloth; NULL: none is pinched.
 static inline const uint8_t *pinched_or_none(const PercaleSolver *solver)
 {
-    return solver->pinches.count > 0 ? solver->pinches.is_pinched : NULL;
+    return solver->pinches.count > 0 ? solver->pinches.states : NULL;
+}
+
+/// The same, with where it is pinched.
+static inline const PercalePinches *pinches_or_none(const PercaleSolver *solver)
+{
+    return solver->pinches.count > 0 ? &solver->pinches : NULL;
 }
 
 /// Where obstacles leave no room.

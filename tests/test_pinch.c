@@ -16,7 +16,7 @@ static const double CLOSED_TIME = PERCALE_SANITIZED ? 0.3 : 1.0; // s
 static const double SLOWEST_PRESS =
     0.25; // s; later than this after the gap has closed nothing swings any more
 
-enum { LAYERS_MOST = 3, SIDE = 15, VERTICES = SIDE * SIDE };
+enum { LAYERS_MOST = 3, SIDE = 11, VERTICES = SIDE * SIDE };
 
 typedef enum Shape { PLATES, SPHERES, PLATE_AND_SPHERE } Shape;
 
@@ -32,6 +32,9 @@ typedef struct Press {
     int layers, pairs; // of cloth; 1: cloth collides with cloth, and edges with edges
     int substeps, iterations;
     PercaleCcd ccd;
+    float plate; // m; its width
+    float thick; // m; and height
+    float friction;
 } Press;
 
 /// A running press.
@@ -85,18 +88,18 @@ static void add_obstacle(Rig *rig, int k, const float *positions, const PercaleM
     PercaleObstacleDef def = percale_test_obstacle_def(mesh);
     def.positions = positions;
     def.thickness = THICKNESS;
+    def.friction = rig->press->friction;
     PERCALE_TEST_OK(rig->solver, percale_obstacle_add(rig->solver, &def, &rig->obstacles[k]));
 }
 
 static void add_bodies(Rig *rig)
 {
-    static const float HALF_PLATE = 0.025f; // m
-    static const float RADIUS = 0.1f;       // m
+    static const float RADIUS = 0.1f; // m
     for (int k = 0; k < 2; k++) {
         bool plate = rig->press->shape == PLATES || (rig->press->shape == PLATE_AND_SPHERE && k == 0);
-        rig->bodies[k] =
-            plate ? percale_test_box(0.3f, 2.0f * HALF_PLATE, 0.3f) : percale_test_sphere(3, RADIUS);
-        float half = plate ? HALF_PLATE : RADIUS;
+        rig->bodies[k] = plate ? percale_test_box(rig->press->plate, rig->press->thick, rig->press->plate)
+                               : percale_test_sphere(3, RADIUS);
+        float half = plate ? 0.5f * rig->press->thick : RADIUS;
         percale_test_translate(&rig->bodies[k], 0.0f, k == 0 ? -half : half, 0.0f);
     }
     const PercaleMesh *a = &rig->bodies[0];
@@ -140,6 +143,7 @@ static void open_rig(Rig *rig, const Press *press, int threads)
                                0.0f);
         PercaleClothDef cloth_def = percale_test_cloth_def(&mesh);
         cloth_def.material.thickness = THICKNESS;
+        cloth_def.material.friction = press->friction;
         PERCALE_TEST_OK(rig->solver, percale_cloth_add(rig->solver, &cloth_def, &rig->cloths[i]));
         percale_mesh_free(&mesh);
     }
@@ -222,21 +226,29 @@ static void check_free(Rig *rig)
     ck_assert_msg(counters.pinched > 0, "%s: nothing was pinched", name);
 }
 
+#define WIDE   0.3f  // m; plates that are wider than the cloth
+#define NARROW 0.08f // m; and that are not
+#define THICK  0.05f // m
+#define MU     0.3f
+
 // clang-format off
 static const Press PRESSES[] = {
-    {"plates, nearly closed",      PLATES, false, false, 0.001, 0.0, 0.0, 1, 0, 20, 1, PERCALE_CCD_RAY},
-    {"plates, closed, swift",      PLATES, false, false, 0.0, 0.0, 0.0, 1, 0, 2, 5, PERCALE_CCD_RAY},
-    {"plates, overlap, accurate",  PLATES, false, false, -0.01, 0.0, 0.0, 1, 0, 80, 1, PERCALE_CCD_OFF},
-    {"plates, deep overlap",       PLATES, false, false, -0.02, 0.0, 0.0, 1, 0, 20, 1, PERCALE_CCD_RAY},
-    {"one plate moves",            PLATES, false, true, -0.02, 0.0, 0.0, 1, 0, 5, 4, PERCALE_CCD_RAY},
-    {"plates, one body",           PLATES, true, false, -0.01, 0.0, 0.0, 1, 0, 20, 1, PERCALE_CCD_RAY},
-    {"plates, sideways, exact",    PLATES, false, false, -0.01, 0.02, 0.0, 1, 1, 5, 4, PERCALE_CCD_EXACT},
-    {"plates, three layers",       PLATES, false, false, 0.0, 0.0, 0.0, 3, 1, 5, 4, PERCALE_CCD_RAY},
-    {"plates, three layers, deep", PLATES, false, false, -0.01, 0.0, 0.0, 3, 1, 20, 1, PERCALE_CCD_RAY},
-    {"spheres, one body",          SPHERES, true, false, -0.02, 0.0, 0.0, 1, 0, 20, 1, PERCALE_CCD_RAY},
-    {"spheres, shear",             SPHERES, false, false, -0.02, 0.02, 1.0, 1, 0, 20, 1, PERCALE_CCD_OFF},
-    {"spheres, edges",             SPHERES, false, false, -0.005, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY},
-    {"plate and sphere, sideways", PLATE_AND_SPHERE, false, false, -0.01, 0.02, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY},
+    {"plates, nearly closed",       PLATES, false, false, 0.001, 0.0, 0.0, 1, 0, 5, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plates, closed, swift",       PLATES, false, false, 0.0, 0.0, 0.0, 1, 0, 2, 5, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plates, overlap, accurate",   PLATES, false, false, -0.01, 0.0, 0.0, 1, 0, 40, 1, PERCALE_CCD_OFF, WIDE, THICK, MU},
+    {"one plate moves, deep",       PLATES, false, true, -0.02, 0.0, 0.0, 1, 0, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plates, one body",            PLATES, true, false, -0.02, 0.0, 0.0, 1, 0, 5, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plates, sideways, exact",     PLATES, false, false, -0.01, 0.02, 0.0, 1, 1, 5, 1, PERCALE_CCD_EXACT, WIDE, THICK, MU},
+    {"plates, three layers, deep",  PLATES, false, false, -0.01, 0.0, 0.0, 3, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plates, narrower",            PLATES, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, NARROW, THICK, MU},
+    {"plates, narrower, one body",  PLATES, true, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, NARROW, THICK, MU},
+    {"plates, narrower, smooth",    PLATES, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_EXACT, NARROW, THICK, 0.0f},
+    {"plates, narrower, thin",      PLATES, false, false, 0.001, 0.0, 0.0, 1, 1, 20, 1, PERCALE_CCD_RAY, NARROW, 0.002f, MU},
+    {"spheres, one body",           SPHERES, true, false, -0.02, 0.0, 0.0, 1, 0, 10, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"spheres, shear",              SPHERES, false, false, -0.02, 0.02, 1.0, 1, 0, 10, 1, PERCALE_CCD_OFF, WIDE, THICK, MU},
+    {"spheres, edges",              SPHERES, false, false, -0.005, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"plate and sphere, smooth",    PLATE_AND_SPHERE, false, false, -0.01, 0.02, 0.0, 1, 1, 5, 1, PERCALE_CCD_RAY, WIDE, THICK, 0.0f},
+    {"plate and sphere",            PLATE_AND_SPHERE, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
 };
 // clang-format on
 enum { PRESS_COUNT = sizeof PRESSES / sizeof PRESSES[0] };
@@ -253,8 +265,21 @@ END_TEST
 
 START_TEST(a_pinch_is_the_same_for_one_thread_and_three)
 {
-    static const Press PRESS = {
-        "plate and sphere", PLATE_AND_SPHERE, false, false, -0.01, 0.02, 1.0, 2, 1, 5, 4, PERCALE_CCD_RAY};
+    static const Press PRESS = {"plate and sphere",
+                                PLATE_AND_SPHERE,
+                                false,
+                                false,
+                                -0.01,
+                                0.02,
+                                1.0,
+                                2,
+                                1,
+                                5,
+                                4,
+                                PERCALE_CCD_RAY,
+                                WIDE,
+                                THICK,
+                                MU};
     uint64_t hashes[2];
     for (int k = 0; k < 2; k++) {
         Rig rig;
@@ -304,8 +329,8 @@ END_TEST
 
 START_TEST(bodies_that_leave_room_pinch_nothing)
 {
-    static const Press PRESS = {"plates", PLATES, false, false, 0.0045, 0.0,
-                                0.0,      1,      0,     5,     4,      PERCALE_CCD_RAY};
+    static const Press PRESS = {"plates", PLATES, false, false,           0.0045, 0.0,   0.0, 1,
+                                0,        5,      4,     PERCALE_CCD_RAY, WIDE,   THICK, MU};
     Rig rig;
     open_rig(&rig, &PRESS, 1);
     for (int frame = 0; frame < 60; frame++) {

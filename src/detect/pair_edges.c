@@ -117,7 +117,8 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
 
 /// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.
 static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector, uint64_t key,
-                                    Vec3 outward, const uint32_t points[4], Keep keep, bool may_pass)
+                                    Vec3 outward, const uint32_t points[4], Keep keep, bool may_pass,
+                                    bool is_leaving)
 {
     EdgeView view = {.may_pass = may_pass};
     if (!view_edges(stage, points, &keep, &view)) {
@@ -126,6 +127,9 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
     Vec3 before = start_between(&view);
     const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
+    if (is_leaving) {
+        reference = vscale(vdot(view.between, outward) < 0.0 ? -1.0 : 1.0, view.between);
+    }
     Push push = {.edges = true,
                  .normal = directed(&view, reference, (double)keep.thickness),
                  .start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before),
@@ -177,7 +181,8 @@ void percale_pair_find_obstacle_edge(const PercalePairStage *stage, PercaleColle
         Keep keep;
         if (keep_of_obstacle(model, ends[0], obstacle, &keep)) {
             find_obstacle_edge_pair(stage, collector, obstacle_edge_key(other.index, first_edge + edge),
-                                    outward, points, keep, other.may_pass);
+                                    outward, points, keep, other.may_pass,
+                                    is_leaving(stage, ends, 2, obstacle, outward));
         }
     }
 }

@@ -303,7 +303,9 @@ static void add_obstacle_face(const PercalePairStage *stage, PercaleCollector *c
 {
     double across = vdot(view->unit, vertex->outward);
     int side = across < 0.0 ? 1 : -1; // of the cloth on which the obstacle belongs
-    if (fabs(across) < CLEAR_SIDE || side_of(stage, view, triangle) == -side) { // the cloth came from behind
+    bool is_outside = is_leaving(stage, view->points + 1, 3, vertex->obstacle, vertex->outward) ||
+                      side_of(stage, view, triangle) != -side;
+    if (fabs(across) < CLEAR_SIDE || !is_outside) { // the cloth came from behind
         return;
     }
     const double *b = view->closest.weights;

@@ -158,6 +158,16 @@ static inline float allowed(float thickness, float rest)
 
 // ---- obstacles ----
 
+/// Whether an edge or a face of the cloth comes out of a pinch that this feature of an obstacle is a part of:
+/// then it belongs outside, wherever it is.
+static inline bool is_leaving(const PercalePairStage *stage, const uint32_t *slots, uint32_t count,
+                              const PercaleModelSurface *obstacle, Vec3 outward)
+{
+    return stage->pinches != NULL &&
+           percale_pinches_leave(stage->pinches, slots, count, (uint32_t)(obstacle - stage->model->obstacles),
+                                 outward);
+}
+
 /// Outward normal of an obstacle's vertex or edge, from the faces around it at the end of the substep; zero
 /// where they face each other.
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,

@@ -22,13 +22,13 @@ static uint64_t source_of(const Kind *kind, uint32_t place)
 /// Edges and faces that are held between obstacles collide with none (pinch.h).
 static void drop_pinched(const Kind *kind, PercaleCollector *collector)
 {
-    const uint8_t *is_pinched = kind->stage->is_pinched;
+    const uint8_t *is_pinched = kind->stage->pinches != NULL ? kind->stage->pinches->states : NULL;
     const PercaleNeighborhood *hood = &kind->visiting.hood;
     PercaleNeighbor *items = collector->neighbors.items;
     size_t kept = 0;
     for (size_t i = 0; is_pinched != NULL && i < collector->neighbors.count; i++) {
-        if (!percale_pinched_any(is_pinched, hood->primitives + (size_t)hood->arity * items[i].index,
-                                 hood->arity)) {
+        if (!percale_pinched_any(is_pinched, PINCH_HELD,
+                                 hood->primitives + (size_t)hood->arity * items[i].index, hood->arity)) {
             items[kept++] = items[i];
         }
     }

@@ -18,6 +18,7 @@
 #define PERCALE_PAIRS_H
 
 #include "detect/candidates.h"
+#include "detect/pinch.h"
 #include "detect/renew.h"
 
 typedef struct PercalePairStage {
@@ -29,7 +30,7 @@ typedef struct PercalePairStage {
     float dt;                      // s, of a substep
     bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
     const PercaleSources *only;    // NULL: all items
-    const uint8_t *is_pinched;     // [slot_count]; NULL: none is
+    const PercalePinches *pinches; // NULL: nothing is pinched
     PercaleTeam *team;
     PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;

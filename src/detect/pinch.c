@@ -18,17 +18,22 @@ static const float OPPOSING = -0.5f;
 // the surface that pinches.
 static const double FACING = 0.3;
 
+// For so long, s, what was held comes out of the obstacles that it is in.
+static const float LEAVING_TIME = 0.25f;
+
 static const double FARTHEST_PLACE = 0.45; // from the middle, in gaps
 
 bool percale_pinches_create(PercalePinches *pinches, const PercaleModel *model, PercaleMemory *memory)
 {
-    *pinches = (PercalePinches){.is_pinched = percale_memory_new(memory, model->slot_count, sizeof(uint8_t))};
-    return pinches->is_pinched != NULL;
+    *pinches = (PercalePinches){.states = percale_memory_new(memory, model->slot_count, sizeof(uint8_t)),
+                                .number = percale_memory_new(memory, model->slot_count, sizeof(uint32_t))};
+    return pinches->states != NULL && pinches->number != NULL;
 }
 
 void percale_pinches_free(PercalePinches *pinches, PercaleMemory *memory)
 {
-    percale_memory_free(memory, pinches->is_pinched);
+    percale_memory_free(memory, pinches->states);
+    percale_memory_free(memory, pinches->number);
     percale_memory_free(memory, pinches->items);
     *pinches = (PercalePinches){0};
 }
@@ -171,7 +176,12 @@ static void ride_range(void *context, uint32_t first, uint32_t end)
 {
     const PercalePinchStage *stage = context;
     for (uint32_t i = first; i < end; i++) {
-        ride(stage, &stage->pinches->items[i]);
+        PercalePinch *pinch = &stage->pinches->items[i];
+        if (pinch->is_leaving) {
+            pinch->left += stage->dt;
+        } else {
+            ride(stage, pinch);
+        }
     }
 }
 
@@ -186,7 +196,9 @@ void percale_pinches_end(const PercalePinchStage *stage)
 {
     for (size_t i = 0; i < stage->pinches->count; i++) {
         const PercalePinch *pinch = &stage->pinches->items[i];
-        stage->model->next_velocity[pinch->slot] = pinch->velocity;
+        if (!pinch->is_leaving) {
+            stage->model->next_velocity[pinch->slot] = pinch->velocity;
+        }
     }
 }
 
@@ -327,8 +339,19 @@ static void hold(const PercalePinchStage *stage, const PercaleStencil *const ste
     double place = 0.5 * (low - high) / fmax(low + high, SQUEEZED * room_of(model, pinch));
     pinch->place = fmax(-FARTHEST_PLACE, fmin(place, FARTHEST_PLACE));
     model->position[slot][3] = 0.0f;
-    stage->pinches->is_pinched[slot] = 1;
+    stage->pinches->states[slot] = PINCH_HELD;
+    stage->pinches->held_count++;
     ride(stage, pinch);
+}
+
+/// Whether a vertex that leaves has left, or is held again by another pinch.
+static bool is_done(PercalePinches *pinches, const PercalePinch *pinch)
+{
+    uint8_t *state = &pinches->states[pinch->slot];
+    if (*state == PINCH_LEAVING && pinch->left >= LEAVING_TIME) {
+        *state = PINCH_NONE;
+    }
+    return *state != PINCH_LEAVING;
 }
 
 static void let_go(const PercalePinchStage *stage)
@@ -336,14 +359,19 @@ static void let_go(const PercalePinchStage *stage)
     PercalePinches *pinches = stage->pinches;
     size_t kept = 0;
     for (size_t i = 0; i < pinches->count; i++) {
-        const PercalePinch *pinch = &pinches->items[i];
-        if (!pinch->has_room) {
-            pinches->items[kept++] = *pinch;
+        PercalePinch *pinch = &pinches->items[i];
+        if (pinch->is_leaving && is_done(pinches, pinch)) {
             continue;
         }
-        pinches->is_pinched[pinch->slot] = 0;
-        stage->model->position[pinch->slot][3] = pinch->inverse_mass;
-        stage->model->predicted[pinch->slot][3] = pinch->inverse_mass;
+        if (pinch->has_room && !pinch->is_leaving) {
+            pinch->is_leaving = true;
+            pinches->states[pinch->slot] = PINCH_LEAVING;
+            pinches->held_count--;
+            stage->model->position[pinch->slot][3] = pinch->inverse_mass;
+            stage->model->predicted[pinch->slot][3] = pinch->inverse_mass;
+        }
+        pinches->number[pinch->slot] = (uint32_t)kept;
+        pinches->items[kept++] = *pinch;
     }
     pinches->count = kept;
 }
@@ -359,13 +387,14 @@ static bool hold_found(const Search *search, uint32_t count, PercaleMemory *memo
         }
         const PercaleStencil *stencils[2] = {&search->stencils->items[search->found[i][0]],
                                              &search->stencils->items[search->found[i][1]]};
-        if (pinches->is_pinched[stencils[0]->points[0]]) {
+        if (pinches->states[stencils[0]->points[0]] == PINCH_HELD) {
             continue;
         }
         if (!percale_memory_reserve(memory, &pinches->items, &pinches->capacity, pinches->count + 1,
                                     sizeof(pinches->items[0]))) {
             return false;
         }
+        pinches->number[stencils[0]->points[0]] = (uint32_t)pinches->count;
         hold(stage, stencils, &pinches->items[pinches->count++]);
     }
     return true;
@@ -388,4 +417,19 @@ bool percale_pinches_find(const PercalePinchStage *stage, const PercaleStencilLi
         }
     }
     return true;
+}
+
+bool percale_pinches_leave(const PercalePinches *pinches, const uint32_t *slots, uint32_t count,
+                           uint32_t obstacle, Vec3 outward)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < count; i++) {
+        if (pinches->states[slots[i]] == PINCH_LEAVING) {
+            const PercalePinch *pinch = &pinches->items[pinches->number[slots[i]]];
+            double across = vdot(pinch->across, outward);
+            any = any || (pinch->feet[0].obstacle == obstacle && across > FACING) ||
+                  (pinch->feet[1].obstacle == obstacle && across < -FACING);
+        }
+    }
+    return any;
 }

@@ -8,7 +8,7 @@
 // drifts, no faster than EXIT_SPEED, to its place between them (flypapering: Baraff, Witkin and Kass 2003,
 // "Untangling Cloth"). That place is a share of the gap. Where the gap is closed, or below zero, the share is
 // of a small rest of it, so that layers of cloth keep their order. It is let go when the surfaces leave room
-// again (MATH.md, section 6, rule 15).
+// again; edges and faces that were pierced meanwhile come out (MATH.md, section 6, rule 15).
 
 #ifndef PERCALE_PINCH_H
 #define PERCALE_PINCH_H
@@ -27,16 +27,24 @@ typedef struct PercalePinch {
     uint32_t slot;
     float inverse_mass; // 1/kg; it has none as long as it is held
     bool has_room;      // it is let go at the next collision pass
+    bool is_leaving;    // it has been
+    float left;         // s ago
     PercalePinchFoot feet[2];
     Vec3 across;    // unit, from the first surface to the second
     double place;   // from the middle, in gaps: -1/2 at the first surface, 1/2 at the second
     f32x4 velocity; // m/s; mean of the two surfaces
 } PercalePinch;
 
+/// Of a vertex. Edges and faces that were held may still be pierced when they are let go: for a while they
+/// come out of the obstacles, wherever they are.
+typedef enum PercalePinchState { PINCH_NONE, PINCH_HELD, PINCH_LEAVING } PercalePinchState;
+
 typedef struct PercalePinches {
-    uint8_t *is_pinched; // [slot_count]
+    uint8_t *states;  // [slot_count] PercalePinchState
+    uint32_t *number; // [slot_count] of its item, unless its state is PINCH_NONE
     PercalePinch *items;
     size_t count, capacity;
+    size_t held_count; // of the items
 } PercalePinches;
 
 typedef struct PercalePinchStage {
@@ -48,15 +56,21 @@ typedef struct PercalePinchStage {
     PercaleTeam *team;
 } PercalePinchStage;
 
-/// Whether one of these vertices of the cloth is held.
-static inline bool percale_pinched_any(const uint8_t *is_pinched, const uint32_t *slots, uint32_t count)
+/// Whether one of these vertices of the cloth is held, or leaves.
+static inline bool percale_pinched_any(const uint8_t *states, PercalePinchState state, const uint32_t *slots,
+                                       uint32_t count)
 {
     bool any = false;
     for (uint32_t k = 0; k < count; k++) {
-        any = any || is_pinched[slots[k]] != 0;
+        any = any || states[slots[k]] == (uint8_t)state;
     }
     return any;
 }
+
+/// Whether one of these vertices leaves a pinch of which this is a surface: a feature of that obstacle, with
+/// this outward normal.
+bool percale_pinches_leave(const PercalePinches *pinches, const uint32_t *slots, uint32_t count,
+                           uint32_t obstacle, Vec3 outward);
 
 bool percale_pinches_create(PercalePinches *pinches, const PercaleModel *model, PercaleMemory *memory);
 void percale_pinches_free(PercalePinches *pinches, PercaleMemory *memory);

@@ -124,7 +124,7 @@ static bool is_pinched(const Kind *kind, const uint32_t *corners)
 {
     const uint8_t *pinched = kind->stage->is_pinched;
     return pinched != NULL && kind->mesh != &kind->stage->model->cloth &&
-           percale_pinched_any(pinched, corners, kind->visiting.hood.arity);
+           percale_pinched_any(pinched, PINCH_HELD, corners, kind->visiting.hood.arity);
 }
 
 static bool is_free(const Kind *kind, uint32_t item, uint32_t primitive)

@@ -27,9 +27,9 @@ typedef struct PercalePairGuardStage {
     PercaleProximity *proximities; // [obstacle_count] whose clearances what moves here is taken from
     bool obstacles;                // proximities are in use
     const PercaleNoteList *known;  // of the last pass: what was born crossed may pass; NULL: nothing was
-    const uint8_t *is_pinched;     // [slot_count] obstacles pass through their edges and faces; NULL: none is
-    bool exact;                    // conservative tests: ccd=exact
-    float dt;                      // s
+    const uint8_t *is_pinched; // [slot_count] states; obstacles pass through what is held; NULL: nothing is
+    bool exact;                // conservative tests: ccd=exact
+    float dt;                  // s
     PercaleCollectors *collectors;
     PercaleStencilList *passing; // scratch
     PercaleMemory *memory;
