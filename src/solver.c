@@ -130,7 +130,7 @@ static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage 
     if (def->untangle != 0) {
         return percale_fail(message, PERCALE_UNSUPPORTED, "untangling is not in this version");
     }
-    if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_ALWAYS) {
+    if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_AUDIT) {
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",
                             (int)def->ccd, (int)def->reuse);
     }
@@ -210,6 +210,8 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_collectors_free(&solver->collectors, &solver->detect_memory);
     percale_memory_free(&solver->detect_memory, solver->stencils.items);
     percale_memory_free(&solver->detect_memory, solver->passing.items);
+    percale_memory_free(&solver->detect_memory, solver->audited_stencils.items);
+    percale_memory_free(&solver->detect_memory, solver->audited_notes.items);
     percale_memory_free(&solver->detect_memory, solver->known_stencils.items);
     percale_memory_free(&solver->detect_memory, solver->notes[0].items);
     percale_memory_free(&solver->detect_memory, solver->notes[1].items);
@@ -235,6 +237,7 @@ static void drop_model(PercaleSolver *solver)
     }
     percale_pinches_free(&solver->pinches, detect);
     percale_candidates_free(&solver->candidates, detect);
+    percale_candidates_free(&solver->audited, detect);
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
     percale_memory_free(detect, solver->crossings);
@@ -348,8 +351,11 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     if (complete && model->cloth.triangle_count > 0) {
         bool edges = solver->def.edge_edge != 0;
         solver->may_be_crossed = true;
-        complete = percale_candidates_create(&solver->candidates, model, solver->def.self_collision != 0,
-                                             edges, edges && solver->def.vertex_face != 0, memory);
+        bool cloth = solver->def.self_collision != 0;
+        bool obstacles = edges && solver->def.vertex_face != 0;
+        complete = percale_candidates_create(&solver->candidates, model, cloth, edges, obstacles, memory) &&
+                   (solver->def.reuse != PERCALE_REUSE_AUDIT ||
+                    percale_candidates_create(&solver->audited, model, cloth, edges, obstacles, memory));
     }
     if (!complete) {
         return percale_fail_memory(&solver->error);

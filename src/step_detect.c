@@ -145,7 +145,8 @@ static const f32x4 *look_ahead(Substep *substep, const f32x4 *seen, float later_
 
 /// Pairs of features that may come within reach before the next pass, as long as they are not known. False
 /// without memory.
-static bool find_candidates(Substep *substep, const f32x4 *seen)
+static bool find_candidates(Substep *substep, const f32x4 *seen, PercaleCandidates *candidates,
+                            uint64_t *tested)
 {
     PercaleSolver *solver = substep->solver;
     const PercaleModel *model = &solver->model;
@@ -160,7 +161,26 @@ static bool find_candidates(Substep *substep, const f32x4 *seen)
                                    .collectors = &solver->collectors,
                                    .memory = &solver->detect_memory,
                                    .team = substep->team};
-    return percale_candidates_keep(&solver->candidates, &stage, &solver->counters.candidates);
+    return percale_candidates_keep(candidates, &stage, tested);
+}
+
+/// Finds the pairs of a pass anew beside those that were found (reuse=audit): what these lack is counted.
+/// False without memory.
+static bool audit_pairs(Substep *substep, const PercalePairStage *kept)
+{
+    PercaleSolver *solver = substep->solver;
+    PercalePairStage stage = *kept;
+    PercalePairCounts counts = {0};
+    uint64_t tested = 0;
+    stage.candidates = &solver->audited;
+    solver->audited.known = false;
+    solver->audited_stencils.count = 0;
+    bool complete = find_candidates(substep, kept->end, &solver->audited, &tested) &&
+                    percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory,
+                                       &solver->audited_stencils, &solver->audited_notes, &counts);
+    solver->counters.missed +=
+        complete ? percale_pairs_count_missing(&solver->stencils, &solver->audited_stencils) : 0;
+    return complete;
 }
 
 /// Pairs of the cloth's features, and of its edges and faces with the obstacles'; of some sources, or of all.
@@ -181,9 +201,12 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
     if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {
         solver->candidates.known = false; // it is a pass
     }
-    bool complete = find_candidates(substep, seen) &&
+    bool complete = find_candidates(substep, seen, &solver->candidates, &solver->counters.candidates) &&
                     percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                        &solver->notes[1], &counts);
+    if (complete && only == NULL && solver->def.reuse == PERCALE_REUSE_AUDIT) {
+        complete = audit_pairs(substep, &stage);
+    }
     PercaleNoteList written = solver->notes[1];
     solver->notes[1] = solver->notes[0];
     solver->notes[0] = written;

@@ -243,7 +243,7 @@ static const Press PRESSES[] = {
     {"plates, narrower",            PLATES, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, NARROW, THICK, MU},
     {"plates, narrower, one body",  PLATES, true, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, NARROW, THICK, MU},
     {"plates, narrower, smooth",    PLATES, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_EXACT, NARROW, THICK, 0.0f},
-    {"plates, narrower, thin",      PLATES, false, false, 0.0, 0.0, 0.0, 1, 1, 20, 1, PERCALE_CCD_RAY, NARROW, 0.002f, MU},
+    {"plates, narrower, thin",      PLATES, false, false, 0.001, 0.0, 0.0, 1, 1, 20, 1, PERCALE_CCD_RAY, NARROW, 0.002f, MU},
     {"spheres, one body",           SPHERES, true, false, -0.02, 0.0, 0.0, 1, 0, 10, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
     {"spheres, shear",              SPHERES, false, false, -0.02, 0.02, 1.0, 1, 0, 10, 1, PERCALE_CCD_OFF, WIDE, THICK, MU},
     {"spheres, edges",              SPHERES, false, false, -0.005, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},

@@ -59,6 +59,61 @@ START_TEST(the_state_is_that_of_detecting_anew_at_every_pass)
         ck_assert_uint_ge(anew.detections, 2 * kept.detections);
         ck_assert_uint_gt(anew.candidates, kept.candidates);
     }
+    PercaleCounters audited; // the work is that of auto, and misses nothing
+    uint64_t hash = run(&CASES[_i], "audit", 1, &audited);
+    ck_assert_msg(hash == expected, "%s, audit: %016lx instead of %016lx", CASES[_i].scene,
+                  (unsigned long)hash, (unsigned long)expected);
+    ck_assert_uint_eq(audited.missed, 0);
+    ck_assert_uint_eq(audited.candidates, kept.candidates);
+    ck_assert_uint_eq(audited.stencils_vf, kept.stencils_vf);
+    ck_assert_uint_eq(audited.stencils_ee, kept.stencils_ee);
+}
+END_TEST
+
+/// Two sheets that fall together, within reach of each other; then the solver is told of all pairs of
+/// vertices and faces that they are a metre apart.
+static PercaleCounters fall(PercaleReuse reuse, bool is_told_wrong, uint64_t *hash)
+{
+    static const int FALL = 4; // frames
+    PercaleSolverDef def = percale_solver_def_default();
+    def.reuse = reuse;
+    def.self_collision = def.edge_edge = 1;
+    PercaleSolver *solver = percale_test_solver(def);
+    for (int k = 0; k < 2; k++) {
+        PercaleMesh sheet = percale_test_sheet(9, 0.1f);
+        percale_test_translate(&sheet, 1e-3f * (float)k, 3e-3f * (float)k, 0.0f);
+        (void)percale_test_add_cloth(solver, &sheet);
+        percale_mesh_free(&sheet);
+    }
+    for (int frame = 0; frame <= FALL; frame++) {
+        for (uint32_t b = 0; frame == FALL && is_told_wrong && b < solver->candidates.lists[0].block_count;
+             b++) {
+            PercaleBlockPairs *pairs = &solver->candidates.lists[0].pairs[b];
+            for (size_t i = 0; i < pairs->count; i++) {
+                pairs->bounds[i] = 1.0f;
+            }
+        }
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, 1.0 / 60.0));
+    }
+    *hash = percale_solver_hash(solver);
+    PercaleCounters counters = percale_solver_counters(solver);
+    percale_solver_destroy(solver);
+    return counters;
+}
+
+START_TEST(an_audit_counts_the_pairs_that_a_wrong_bound_hides)
+{
+    uint64_t right_hash;
+    uint64_t wrong_hash;
+    uint64_t unseen_hash;
+    PercaleCounters right = fall(PERCALE_REUSE_AUDIT, false, &right_hash);
+    PercaleCounters wrong = fall(PERCALE_REUSE_AUDIT, true, &wrong_hash);
+    PercaleCounters unseen = fall(PERCALE_REUSE_AUTO, true, &unseen_hash);
+    ck_assert_uint_eq(right.missed, 0);
+    ck_assert_uint_gt(wrong.missed, 0);
+    ck_assert_uint_eq(unseen.missed, 0);
+    ck_assert_uint_eq(wrong_hash, unseen_hash);
+    ck_assert_uint_gt(right.stencils_vf, wrong.stencils_vf);
 }
 END_TEST
 
@@ -108,6 +163,7 @@ int main(void)
     tcase_set_timeout(reuse, 0);
     tcase_add_loop_test(reuse, the_state_is_that_of_detecting_anew_at_every_pass, 0, CASE_COUNT);
     tcase_add_test(reuse, a_bound_that_is_wrong_is_counted_where_all_is_found_anew);
+    tcase_add_test(reuse, an_audit_counts_the_pairs_that_a_wrong_bound_hides);
     suite_add_tcase(suite, reuse);
     return percale_test_run(suite);
 }

@@ -61,8 +61,8 @@ START_TEST(values_that_are_not_of_the_kind_are_refused)
     expect_refused("thickness", "nan", "thickness=nan", "a number");
     expect_refused("bending", "maybe", "bending=maybe", "off|on");
     expect_refused("bending", "1", "bending=1", "off|on");
-    expect_refused("reuse", "never", "reuse=never", "auto|always");
-    expect_refused("reuse", "aut", "reuse=aut", "auto|always");
+    expect_refused("reuse", "never", "reuse=never", "auto|always|audit");
+    expect_refused("reuse", "aut", "reuse=aut", "auto|always|audit");
     expect_refused("gravity", "1,2", "gravity=1,2", "three numbers");
     expect_refused("gravity", "1,2,3,4", "gravity=1,2,3,4", "three numbers");
     expect_refused("gravity", "-9.81", "gravity=-9.81", "three numbers");

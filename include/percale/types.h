@@ -69,7 +69,9 @@ typedef enum PercaleCcd {
 /// When contact candidates are found anew.
 typedef enum PercaleReuse {
     PERCALE_REUSE_AUTO = 0, ///< while the bound on the relative motion holds, they are kept
-    PERCALE_REUSE_ALWAYS    ///< never kept: every collision pass detects; the state is the same
+    PERCALE_REUSE_ALWAYS,   ///< never kept: every collision pass detects; the state is the same
+    PERCALE_REUSE_AUDIT     ///< kept as with auto, and each pass detects pairs of the cloth anew beside that:
+                        ///< what only this finds is counted as missed, and changes nothing
 } PercaleReuse;
 
 typedef enum PercaleIsa {
@@ -222,8 +224,9 @@ typedef struct PercaleProfile {
 /// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and nothing
 /// tells how that came (looked for where edge_edge is 1); pinched: cloth vertices that two surfaces of
 /// obstacles left no room and that were held between them, in each substep; colors_max: the most colours that
-/// contacts needed; missed: with reuse=always, vertices near an obstacle
-/// that a kept bound of their distance would have left out (it is 0, or the bound is wrong); overflow:
+/// contacts needed; missed: with reuse=always, vertices near an obstacle that a kept bound of their distance
+/// would have left out, with reuse=audit, stencils of pairs that kept candidates have left out (it is 0, or a
+/// bound is wrong; with fewer passes than substeps, too); overflow:
 /// contacts that fitted into none; counters of features that this version does not have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;

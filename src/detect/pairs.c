@@ -192,3 +192,29 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
     }
     return complete && sort_notes(notes, memory);
 }
+
+static bool is_same(const PercaleStencil *a, const PercaleStencil *b)
+{
+    return memcmp(a->points, b->points, sizeof(a->points)) == 0 &&
+           memcmp(a->weights, b->weights, sizeof(a->weights)) == 0 &&
+           memcmp(&a->normal, &b->normal, sizeof(a->normal)) == 0;
+}
+
+uint64_t percale_pairs_count_missing(const PercaleStencilList *kept, const PercaleStencilList *anew)
+{
+    uint64_t missing = 0;
+    size_t first = 0;
+    for (size_t i = 0; i < anew->count; i++) {
+        const PercaleStencil *wanted = &anew->items[i];
+        while (first < kept->count && kept->items[first].source < wanted->source) {
+            first++;
+        }
+        size_t at = first;
+        while (at < kept->count && kept->items[at].source == wanted->source &&
+               !is_same(&kept->items[at], wanted)) {
+            at++;
+        }
+        missing += at == kept->count || kept->items[at].source != wanted->source;
+    }
+    return missing;
+}

@@ -46,6 +46,10 @@ typedef struct PercalePairCounts {
 bool percale_pairs_find(const PercalePairStage *stage, PercaleCollectors *collectors, PercaleMemory *memory,
                         PercaleStencilList *stencils, PercaleNoteList *notes, PercalePairCounts *counts);
 
+/// How many stencils of pairs stand in the second list and not in the first. Both ascend by source; what has
+/// an earlier source than the second list's first is not compared.
+uint64_t percale_pairs_count_missing(const PercaleStencilList *kept, const PercaleStencilList *anew);
+
 /// Whether a vertex and a face of the cloth, or two edges, are noted as born crossed: they may pass.
 bool percale_pairs_are_free(const PercaleNoteList *notes, bool edges, uint32_t item, uint32_t primitive);
 
