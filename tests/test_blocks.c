@@ -2,6 +2,7 @@
 // less than the truth, and nothing where all move alike.
 
 #include "detect/blocks.h"
+#include "kernel_testing.h"
 #include "testing.h"
 
 #include <string.h>
@@ -181,6 +182,24 @@ static float between_places(const Swarm *swarm, uint32_t a, uint32_t b, const f3
     return most;
 }
 
+/// What a block says is no less than what is true. Adds to the shares that the truth has of it.
+static void expect_turned(const Swarm *swarm, uint32_t a, const f32x4 *last, double shares[2])
+{
+    const PercaleBlock *block = &swarm->blocks.items[a];
+    float turned = 0.0f;
+    float drifted = 0.0f;
+    for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
+        if (are_near(swarm, a, b, FAR)) {
+            turned = fmaxf(turned, between_places(swarm, a, b, swarm->from, swarm->to));
+            drifted = fmaxf(drifted, between_places(swarm, a, b, last, swarm->to));
+        }
+    }
+    ck_assert_float_ge(block->turned, turned);
+    ck_assert_float_ge(block->drifted, drifted);
+    shares[0] += (double)(turned / fmaxf(block->turned, 1e-9f)) / (BLOCKS * STEPS);
+    shares[1] += (double)(drifted / fmaxf(block->drifted, 1e-9f)) / (BLOCKS * STEPS);
+}
+
 /// Remembered at random, as between passes with looks ahead.
 START_TEST(what_has_turned_and_drifted_is_never_more_than_they_say)
 {
@@ -192,21 +211,7 @@ START_TEST(what_has_turned_and_drifted_is_never_more_than_they_say)
     for (int step = 0; step < STEPS; step++) {
         look(&swarm);
         for (uint32_t a = 0; step > 0 && a < BLOCKS; a++) {
-            const PercaleBlock *block = &swarm.blocks.items[a];
-            float turned = 0.0f;
-            float drifted = 0.0f;
-            for (uint32_t b = 0; b < CLOTH_BLOCKS; b++) {
-                if (are_near(&swarm, a, b, FAR)) {
-                    turned = fmaxf(turned, between_places(&swarm, a, b, swarm.from, swarm.to));
-                    drifted = fmaxf(drifted, between_places(&swarm, a, b, last, swarm.to));
-                }
-            }
-            ck_assert_msg(block->turned >= turned, "step %d, block %u: %g of %g m", step, a,
-                          (double)block->turned, (double)turned);
-            ck_assert_msg(block->drifted >= drifted, "step %d, block %u: %g of %g m", step, a,
-                          (double)block->drifted, (double)drifted);
-            shares[0] += (double)(turned / fmaxf(block->turned, 1e-9f)) / (BLOCKS * STEPS);
-            shares[1] += (double)(drifted / fmaxf(block->drifted, 1e-9f)) / (BLOCKS * STEPS);
+            expect_turned(&swarm, a, last, shares);
         }
         if (swarm.remember) {
             memcpy(last, swarm.to, sizeof(last));
@@ -230,21 +235,68 @@ static void shove(Swarm *swarm)
     }
 }
 
-START_TEST(what_is_measured_again_says_the_same)
+/// Returns how many blocks stood and say the same.
+static uint32_t expect_same(const Swarm *swarm, const Swarm *twin)
 {
-    Swarm swarm;
-    Swarm twin; // is measured as a whole
-    open_swarm(&swarm);
-    open_swarm(&twin);
-    swarm.remember = twin.remember = true;
+    uint32_t stood = 0;
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        const PercaleBlock *said = &swarm->blocks.items[b];
+        const PercaleBlock *whole = &twin->blocks.items[b];
+        ck_assert(same_bits(said->centre, whole->centre, sizeof(said->centre)));
+        ck_assert(same_bits(said->deviation, whole->deviation, sizeof(said->deviation)));
+        ck_assert(said->turned >= whole->turned);
+        for (uint32_t other = 0; other < CLOTH_BLOCKS; other++) {
+            ck_assert(!are_near(swarm, b, other, REACH) || said->moved >= moved_against(swarm, b, other));
+        }
+        ck_assert(said->drifted == whole->drifted);
+        stood += !said->changed && said->turned == whole->turned;
+    }
+    return stood;
+}
+
+static uint32_t count_changed(const Swarm *swarm)
+{
+    uint32_t changed = 0;
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        changed += swarm->blocks.items[b].changed;
+    }
+    return changed;
+}
+
+/// Some get anchors of their own, in both.
+static void begin_some(Swarm *swarm, Swarm *twin)
+{
+    uint32_t listed[BLOCKS] = {(uint32_t)(percale_test_random(&swarm->seed) * BLOCKS)};
+    uint32_t count = 1;
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        if (b != listed[0] && swarm->blocks.items[b].moment == percale_blocks_oldest(&swarm->blocks)) {
+            listed[count++] = b;
+        }
+    }
+    begin(swarm, listed, count, 1.0f);
+    begin(twin, listed, count, 1.0f);
+}
+
+static void open_twins(Swarm *swarm, Swarm *twin)
+{
     uint32_t all[BLOCKS];
     for (uint32_t b = 0; b < BLOCKS; b++) {
         all[b] = b;
     }
-    look(&swarm);
-    look(&twin);
-    begin(&swarm, all, BLOCKS, 0.0f);
-    begin(&twin, all, BLOCKS, 0.0f);
+    Swarm *both[2] = {swarm, twin};
+    for (int i = 0; i < 2; i++) {
+        open_swarm(both[i]);
+        both[i]->remember = true;
+        look(both[i]);
+        begin(both[i], all, BLOCKS, 0.0f);
+    }
+}
+
+START_TEST(what_is_measured_again_says_the_same)
+{
+    Swarm swarm;
+    Swarm twin; // is measured as a whole
+    open_twins(&swarm, &twin);
     uint32_t stood = 0;
     uint32_t changed = 0;
     for (int step = 0; step < STEPS; step++) {
@@ -258,30 +310,10 @@ START_TEST(what_is_measured_again_says_the_same)
         memcpy(twin.to, swarm.to, sizeof(twin.to));
         look(&swarm);
         look(&twin);
-        for (uint32_t b = 0; b < BLOCKS; b++) {
-            const PercaleBlock *said = &swarm.blocks.items[b];
-            const PercaleBlock *whole = &twin.blocks.items[b];
-            ck_assert(memcmp(said->centre, whole->centre, sizeof(said->centre)) == 0);
-            ck_assert(memcmp(said->deviation, whole->deviation, sizeof(said->deviation)) == 0);
-            ck_assert(said->turned >= whole->turned);
-            for (uint32_t other = 0; other < CLOTH_BLOCKS; other++) {
-                ck_assert(!are_near(&swarm, b, other, REACH) ||
-                          said->moved >= moved_against(&swarm, b, other));
-            }
-            ck_assert(said->drifted == whole->drifted);
-            stood += !said->changed && said->turned == whole->turned;
-            changed += said->changed;
-        }
-        if (percale_test_random(&swarm.seed) < 0.3) { // with anchors of their own
-            uint32_t listed[BLOCKS] = {(uint32_t)(percale_test_random(&swarm.seed) * BLOCKS)};
-            uint32_t count = 1;
-            for (uint32_t b = 0; b < BLOCKS; b++) {
-                if (b != listed[0] && swarm.blocks.items[b].moment == percale_blocks_oldest(&swarm.blocks)) {
-                    listed[count++] = b;
-                }
-            }
-            begin(&swarm, listed, count, 1.0f);
-            begin(&twin, listed, count, 1.0f);
+        stood += expect_same(&swarm, &twin);
+        changed += count_changed(&swarm);
+        if (percale_test_random(&swarm.seed) < 0.3) {
+            begin_some(&swarm, &twin);
         }
     }
     ck_assert_uint_gt(stood, BLOCKS * STEPS / 2);

@@ -46,8 +46,10 @@ static PercaleMesh ring(void)
     enum { ALONG = 12, AROUND = 6 };
     PercaleMesh mesh = closed_grid(ALONG, AROUND);
     for (uint32_t i = 0; i < ALONG * AROUND; i++) {
-        double u = 2.0 * PI * (i / AROUND) / ALONG;
-        double v = 2.0 * PI * (i % AROUND) / AROUND;
+        uint32_t along = i / AROUND;
+        uint32_t around = i % AROUND;
+        double u = 2.0 * PI * along / ALONG;
+        double v = 2.0 * PI * around / AROUND;
         double r = 0.11 + 0.04 * cos(v);
         mesh.positions[3 * (size_t)i] = (float)(r * cos(u));
         mesh.positions[3 * (size_t)i + 1] = (float)(0.04 * sin(v));

@@ -144,7 +144,7 @@ START_TEST(what_is_thrown_together_ends_without_a_crossing)
     for (int i = first_run; i < first_run + run_count; i++) {
         uint64_t seed = 977 * (uint64_t)i + 13;
         int frames;
-        PercaleCloth first;
+        PercaleCloth first = {0};
         PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
         double crossings = crossings_at_end(solver, frames, NULL, NULL);
         if (crossings > 0.0) {
@@ -165,7 +165,7 @@ START_TEST(without_the_guard_some_cross)
     for (int i = 0; i < 3; i++) {
         uint64_t seed = 977 * (uint64_t)i + 13;
         int frames;
-        PercaleCloth first;
+        PercaleCloth first = {0};
         PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
         solver->def.guard = 0;
         crossings += crossings_at_end(solver, frames, NULL, NULL);
@@ -227,7 +227,7 @@ START_TEST(what_pins_lead_into_others_takes_them_along)
     for (int i = first_run; i < first_run + run_count; i++) {
         uint64_t seed = 977 * (uint64_t)i + 13;
         int frames;
-        PercaleCloth first;
+        PercaleCloth first = {0};
         PercaleSolver *solver = throw_sheets(&seed, &frames, &first);
         static Led led;
         led = (Led){0};

@@ -71,7 +71,7 @@ typedef enum PercaleReuse {
     PERCALE_REUSE_AUTO = 0, ///< while the bound on the relative motion holds, they are kept
     PERCALE_REUSE_ALWAYS,   ///< never kept: every collision pass detects; the state is the same
     PERCALE_REUSE_AUDIT     ///< kept as with auto, and each pass detects pairs of the cloth anew beside that:
-                        ///< what only this finds is counted as missed, and changes nothing
+                            ///< what only this finds is counted as missed, and changes nothing
 } PercaleReuse;
 
 typedef enum PercaleIsa {
