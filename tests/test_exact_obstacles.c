@@ -36,7 +36,7 @@ typedef struct Particles {
     PercaleCloth cloth;
 } Particles;
 
-static void add_particles(PercaleSolver *solver, Particles *particles)
+static void add_particles(PercaleSolver *solver, const Particles *particles)
 {
     uint32_t triangles[PARTICLES];
     float pattern[2 * PARTICLES]; // their places may be anything, a rest shape must have an area
