@@ -36,7 +36,7 @@ typedef struct Particles {
     PercaleCloth cloth;
 } Particles;
 
-static void add_particles(PercaleSolver *solver, const Particles *particles)
+static void add_particles(PercaleSolver *solver, Particles *particles)
 {
     uint32_t triangles[PARTICLES];
     float pattern[2 * PARTICLES]; // their places may be anything, a rest shape must have an area
@@ -408,7 +408,7 @@ END_TEST
 // ---- from behind ----
 
 /// One step with a sheet over the particles that stays (0), goes down (1), or turns, too (2), or without it.
-static uint64_t hash_of_flight(const Particles *particles, bool with_sheet, int moves)
+static uint64_t hash_of_flight(Particles *particles, bool with_sheet, int moves)
 {
     const double shift[3] = {0.1, -10.0, 0.2};
     PercaleSolver *solver = percale_test_solver(weightless(PERCALE_CCD_EXACT, 2));
