@@ -195,9 +195,12 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
 
 static bool is_same(const PercaleStencil *a, const PercaleStencil *b)
 {
-    return memcmp(a->points, b->points, sizeof(a->points)) == 0 &&
-           memcmp(a->weights, b->weights, sizeof(a->weights)) == 0 &&
-           memcmp(&a->normal, &b->normal, sizeof(a->normal)) == 0;
+    bool same = true;
+    for (int k = 0; k < 4; k++) {
+        same = same && a->points[k] == b->points[k] && a->weights[k] == b->weights[k] &&
+               a->normal[k] == b->normal[k];
+    }
+    return same;
 }
 
 uint64_t percale_pairs_count_missing(const PercaleStencilList *kept, const PercaleStencilList *anew)
