@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 12, MIDDLE_SIDE = 14, LARGE_SIDE = 20, SHEETS = 2, STEPS = 24 };
+enum { SIDE = 12, MIDDLE_SIDE = 14, LARGE_SIDE = 20, SHEETS = 2, STEPS = 24, PILE = 8 };
 static const float EDGE = 0.02f; // m
 
-/// Two sheets, the second 12 mm above the first, of so many vertices a side.
+/// Sheets, each 12 mm above the one before, of so many vertices a side.
 typedef struct Sheets {
     PercaleSolver *solver;
     PercaleMesh mesh;
@@ -21,20 +21,25 @@ typedef struct Sheets {
     uint64_t seed;
 } Sheets;
 
-static void open_sheets(Sheets *sheets, uint32_t side)
+static void open_pile(Sheets *sheets, uint32_t side, int count)
 {
     PercaleSolverDef def = percale_solver_def_default();
     def.self_collision = def.edge_edge = 1;
     sheets->solver = percale_test_solver(def);
     sheets->mesh = percale_test_sheet(side, EDGE * (float)(side - 1));
     sheets->seed = 11;
-    for (int s = 0; s < SHEETS; s++) {
+    for (int s = 0; s < count; s++) {
         (void)percale_test_add_cloth(sheets->solver, &sheets->mesh);
         percale_test_translate(&sheets->mesh, 0.003f, 0.012f, 0.004f);
     }
     PERCALE_TEST_OK(sheets->solver, percale_solver_prepare(sheets->solver));
     sheets->model = &sheets->solver->model;
     sheets->candidates = &sheets->solver->candidates;
+}
+
+static void open_sheets(Sheets *sheets, uint32_t side)
+{
+    open_pile(sheets, side, SHEETS);
 }
 
 static void close_sheets(Sheets *sheets)
@@ -379,6 +384,19 @@ static uint32_t count_passages(const PercaleModel *model)
     return count;
 }
 
+static PercalePairGuardStage pair_guard_of(Sheets *sheets, float dt)
+{
+    PercaleSolver *solver = sheets->solver;
+    return (PercalePairGuardStage){.model = sheets->model,
+                                   .candidates = sheets->candidates,
+                                   .dt = dt,
+                                   .collectors = &solver->collectors,
+                                   .passing = &solver->passing,
+                                   .memory = &solver->detect_memory,
+                                   .arena = &solver->arena,
+                                   .team = percale_team_alone()};
+}
+
 /// Of the new velocities, kg m/s.
 static void sum_momentum(const PercaleModel *model, double sum[3])
 {
@@ -399,7 +417,6 @@ START_TEST(nothing_goes_through_however_it_is_thrown)
     for (size_t t = 0; t < sizeof(THROWS) / sizeof(THROWS[0]); t++) {
         Sheets sheets;
         open_sheets(&sheets, SIDE);
-        PercaleSolver *solver = sheets.solver;
         PercaleModel *model = sheets.model;
         move(&sheets, (f32x4){0}, THROWS[t][1]);
         for (uint32_t i = 0; i < model->slot_count; i++) {
@@ -407,14 +424,7 @@ START_TEST(nothing_goes_through_however_it_is_thrown)
             model->next_velocity[i] = with_w((model->predicted[i] - model->position[i]) / dt, 0.0f);
         }
         ck_assert_uint_gt(count_passages(model), 20);
-        PercalePairGuardStage stage = {.model = model,
-                                       .candidates = sheets.candidates,
-                                       .dt = dt,
-                                       .collectors = &solver->collectors,
-                                       .passing = &solver->passing,
-                                       .memory = &solver->detect_memory,
-                                       .arena = &solver->arena,
-                                       .team = percale_team_alone()};
+        PercalePairGuardStage stage = pair_guard_of(&sheets, dt);
         PercalePairGuardCounts counts;
         double before[3];
         double after[3];
@@ -436,6 +446,29 @@ START_TEST(nothing_goes_through_however_it_is_thrown)
 }
 END_TEST
 
+/// Pins lead the lowest of a pile of sheets, 12 mm apart, through five of them toward the highest, which
+/// others hold: what is between them finds its place.
+START_TEST(what_pins_press_together_finds_its_place)
+{
+    const float dt = 1e-3f;
+    Sheets sheets;
+    open_pile(&sheets, SIDE / 2, PILE);
+    PercaleModel *model = sheets.model;
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        uint32_t cloth = model->cloth_of[i];
+        model->predicted[i][1] += cloth == 0 ? 0.06f : 0.0f;
+        model->predicted[i][3] *= cloth == 0 || cloth == PILE - 1 ? 0.0f : 1.0f;
+    }
+    ck_assert_uint_gt(count_passages(model), 20);
+    PercalePairGuardStage stage = pair_guard_of(&sheets, dt);
+    PercalePairGuardCounts counts;
+    ck_assert(percale_pair_guard_run(&stage, &counts));
+    ck_assert_uint_eq(counts.left, 0);
+    ck_assert_uint_eq(count_passages(model), 0);
+    close_sheets(&sheets);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("candidates");
@@ -448,6 +481,7 @@ int main(void)
     tcase_add_test(candidates, the_state_is_that_of_finding_all_anew_in_each_substep);
     tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
     tcase_add_test(candidates, nothing_goes_through_however_it_is_thrown);
+    tcase_add_test(candidates, what_pins_press_together_finds_its_place);
     suite_add_tcase(suite, candidates);
     return percale_test_run(suite);
 }
