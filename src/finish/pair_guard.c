@@ -10,11 +10,10 @@
 
 enum {
     // Rounds: of each the one after its last.
-    PUSHES = 8,               // what has passed is pushed back
-    LED_PUSHES = PUSHES + 12, // likewise, but what is led pushes the rest aside
-    HALVES = LED_PUSHES + 4,  // what isn't led goes half as far
-    ROUNDS = HALVES + 20,     // it goes together
-    LAST_ROUND = ROUNDS + 32  // all the rest stands still
+    PUSHES = 48,             // what has passed is pushed back
+    HALVES = PUSHES + 4,     // it goes half as far
+    ROUNDS = HALVES + 20,    // it goes together
+    LAST_ROUND = ROUNDS + 32 // all the rest stands still
 };
 
 // Share of the distance at the start that is left to what has passed, and the least distance, m: contact
@@ -22,15 +21,6 @@ enum {
 // nearer than it.
 static const double KEPT = 0.5;
 static const double LEAST_KEPT = 1e-6;
-
-static const uint32_t ALL_POINTS = 15; // of a stencil
-static const float LATER = 1e-4f;      // than what pushed it on, at least
-
-/// What the later rounds remember.
-typedef struct Rounds {
-    float *reached;     // [slot_count] from PUSHES on: when what is led, or what that pushed, came to it
-    PercaleZones zones; // from HALVES on
-} Rounds;
 
 // ---- who has passed ----
 
@@ -97,8 +87,7 @@ static void add_push(PercaleCollector *collector, const uint32_t points[4], cons
 {
     double gap = vdot(passage->normal, weigh_points(from, passage->weights));
     PercaleStencil stencil = {.normal =
-                                  f32x4_of(passage->normal, (float)fmax(KEPT * fmin(gap, most), LEAST_KEPT)),
-                              .held = (float)passage->time};
+                                  f32x4_of(passage->normal, (float)fmax(KEPT * fmin(gap, most), LEAST_KEPT))};
     memcpy(stencil.points, points, sizeof(stencil.points));
     percale_stencil_weigh(&stencil, passage->weights, edges);
     percale_collect_stencil(collector, &stencil);
@@ -232,14 +221,10 @@ static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 
     }
 }
 
-/// The projection of MATH.md, section 1. Points without their bit in `moving` are held.
-static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil, uint32_t moving)
+/// The projection of MATH.md, section 1.
+static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil)
 {
     const f32x4 *x = stage->model->predicted;
-    float inverse_masses[4];
-    for (uint32_t k = 0; k < 4; k++) {
-        inverse_masses[k] = (moving >> k & 1) != 0 ? x[stencil->points[k]][3] : 0.0f;
-    }
     f32x4 offset = {0};
     float weight = 0.0f;
     for (int k = 1; k < 4; k++) {
@@ -247,7 +232,7 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
     }
     float farthest = 0.0f;
     for (int k = 0; k < 4; k++) {
-        float share = inverse_masses[k] * stencil->weights[k];
+        float share = x[stencil->points[k]][3] * stencil->weights[k];
         weight += share * stencil->weights[k];
         farthest = fmaxf(farthest, fabsf(share));
     }
@@ -257,42 +242,12 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
         return;
     }
     for (int k = 0; k < 4; k++) {
-        float share = inverse_masses[k] * stencil->weights[k];
+        float share = x[stencil->points[k]][3] * stencil->weights[k];
         if (share != 0.0f) {
             move_point(stage, stencil->points[k],
                        x[stencil->points[k]] + stencil->normal * (share * depth / weight));
         }
     }
-}
-
-/// 0 for what pins and obstacles lead or hold, INFINITY where nothing has come to the point.
-static float time_reached(const PercaleModel *model, const float *reached, uint32_t point)
-{
-    return model->predicted[point][3] > 0.0f ? reached[point] : 0.0f;
-}
-
-/// What the led came to first is held, the others give way. False where nothing is led.
-static bool push_aside(const PercalePairGuardStage *stage, const PercaleStencil *stencil, float *reached)
-{
-    float first = INFINITY;
-    for (int k = 0; k < 4; k++) {
-        float time = time_reached(stage->model, reached, stencil->points[k]);
-        first = stencil->weights[k] != 0.0f ? fminf(first, time) : first;
-    }
-    if (first == INFINITY) {
-        return false;
-    }
-    float now = fmaxf(first + LATER, stencil->held);
-    uint32_t moving = 0;
-    for (uint32_t k = 0; k < 4; k++) {
-        uint32_t point = stencil->points[k];
-        if (stencil->weights[k] != 0.0f && time_reached(stage->model, reached, point) > first) {
-            reached[point] = fminf(reached[point], now);
-            moving |= 1u << k;
-        }
-    }
-    push_back(stage, stencil, moving != 0 ? moving : ALL_POINTS);
-    return true;
 }
 
 /// Those that still pass go half as far.
@@ -325,47 +280,31 @@ static void move_zones(const PercalePairGuardStage *stage, PercaleZones *zones, 
     }
 }
 
-/// False without memory.
-static bool prepare_round(const PercalePairGuardStage *stage, int round, Rounds *rounds)
-{
-    uint32_t count = stage->model->slot_count;
-    if (round == PUSHES) {
-        rounds->reached = percale_arena_new(stage->arena, count, sizeof(float));
-        if (rounds->reached == NULL) {
-            return false;
-        }
-        for (uint32_t slot = 0; slot < count; slot++) {
-            rounds->reached[slot] = INFINITY;
-        }
-    }
-    return round != HALVES || percale_zones_create(&rounds->zones, stage->model, stage->arena);
-}
-
 /// What of the guard's work is done in this round.
-static void put_back(const PercalePairGuardStage *stage, int round, Rounds *rounds)
+static bool put_back(const PercalePairGuardStage *stage, int round, PercaleZones *zones)
 {
     const PercaleStencilList *passing = stage->passing;
+    if (round == HALVES && !percale_zones_create(zones, stage->model, stage->arena)) {
+        return false;
+    }
     if (round >= HALVES) {
-        move_zones(stage, &rounds->zones, round >= ROUNDS);
-        return;
+        move_zones(stage, zones, round >= ROUNDS);
+        return true;
     }
     for (size_t i = 0; i < passing->count; i++) { // few, and in a fixed order
-        const PercaleStencil *stencil = &passing->items[i];
-        if (round >= PUSHES && push_aside(stage, stencil, rounds->reached)) {
-            continue;
-        }
-        if (round < LED_PUSHES) {
-            push_back(stage, stencil, ALL_POINTS);
+        if (round < PUSHES) {
+            push_back(stage, &passing->items[i]);
         } else {
-            hold_back(stage, stencil);
+            hold_back(stage, &passing->items[i]);
         }
     }
+    return true;
 }
 
 bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
 {
     *counts = (PercalePairGuardCounts){0};
-    Rounds rounds = {0};
+    PercaleZones zones;
     for (int round = 0; round < LAST_ROUND; round++) {
         if (!find_passages(stage, round > 0, counts)) {
             return false;
@@ -374,10 +313,9 @@ bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuard
             return true;
         }
         counts->pushed += stage->passing->count;
-        if (!prepare_round(stage, round, &rounds)) {
+        if (!put_back(stage, round, &zones)) {
             return false;
         }
-        put_back(stage, round, &rounds);
     }
     if (!find_passages(stage, true, counts)) {
         return false;

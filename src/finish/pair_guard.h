@@ -5,12 +5,11 @@
 //   out  both corrected, candidates that cover all ways
 //
 // Whoever has passed is pushed back to the side it came from, by the same stencil that contact uses, so
-// momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, what pins
-// and obstacles came to first is held against what they came to later (shock propagation: Guendelman et al.
-// 2003), and what they don't lead goes only half its way; then they go together as zones (zones.h), which
-// stand still or go with the pins and obstacles that push them; at last all the rest stands still: a start
-// without crossings is an end without. What pins and obstacles that part or meet force through even so is
-// counted. What passes an obstacle's feature from behind is let through, as its vertices are.
+// momentum is kept (Bridson 2002, section 7.4, without its averaging). Where pushing doesn't end, all that
+// still pass go only half their ways, then together as zones (zones.h), which stand still or go with the pins
+// and obstacles that push them; at last all the rest stands still: a start without crossings is an end
+// without. What pins and obstacles that part or meet force through even so is counted. What passes an
+// obstacle's feature from behind is let through, as its vertices are.
 //
 // Who has passed is asked of a cubic in double, without a bound of its error, and motion in one plane is no
 // passage for it. With `exact` what may have touched at any time has passed (impact_time.h): no rounding and
