@@ -98,7 +98,8 @@ static void mark(const void *context, PercaleCollector *collector, const Percale
     }
 }
 
-static Visited visit_all(Sheets *sheets, bool edges)
+/// `touched`: of the points whose pairs are visited; NULL: all.
+static Visited visit(Sheets *sheets, bool edges, const uint8_t *touched)
 {
     const PercaleModelSurface *cloth = &sheets->model->cloth;
     size_t item_count = edges ? cloth->edges.edge_count : cloth->vertex_count;
@@ -111,6 +112,7 @@ static Visited visit_all(Sheets *sheets, bool edges)
     PercaleVisiting visiting = {.candidates = sheets->candidates,
                                 .list = edges ? 1 : 0,
                                 .hood = percale_candidates_hood(sheets->candidates, edges ? 1 : 0),
+                                .touched = touched,
                                 .visit = mark,
                                 .context = &visited};
     visiting.hood.ends_too = true;
@@ -168,7 +170,7 @@ static uint32_t expect_all(Sheets *sheets, bool edges)
 {
     const PercaleModel *model = sheets->model;
     const float reach = CONTACT_REACH * model->cloths[0].thickness;
-    Visited visited = visit_all(sheets, edges);
+    Visited visited = visit(sheets, edges, NULL);
     uint32_t count = 0;
     uint32_t points[4];
     for (AllPairs all = all_pairs(model, edges); next_pair(&all, points);) {
@@ -221,6 +223,51 @@ START_TEST(however_they_move_all_pairs_in_reach_are_visited)
     ck_assert_uint_gt(pairs, 1000);
     ck_assert_uint_gt(searched, block_count); // but not all of them each time
     ck_assert_uint_lt(searched, block_count * (uint32_t)STEPS * 3 / 4);
+    close_sheets(&sheets);
+}
+END_TEST
+
+/// Returns how many pairs are visited of all.
+static uint32_t expect_touched(Sheets *sheets, bool edges, const uint8_t *touched, uint32_t *all_count)
+{
+    Visited full = visit(sheets, edges, NULL);
+    Visited some = visit(sheets, edges, touched);
+    uint32_t count = 0;
+    uint32_t points[4];
+    for (AllPairs all = all_pairs(sheets->model, edges); next_pair(&all, points);) {
+        size_t at = all.item * full.primitive_count + all.primitive - 1;
+        bool any = (touched[points[0]] | touched[points[1]] | touched[points[2]] | touched[points[3]]) != 0;
+        ck_assert_msg(some.pairs[at] == (full.pairs[at] && any), "%u and %u", all.item, all.primitive - 1);
+        count += some.pairs[at];
+        *all_count += full.pairs[at];
+    }
+    free(full.pairs);
+    free(some.pairs);
+    return count;
+}
+
+START_TEST(of_what_is_touched_all_pairs_are_visited_and_no_others)
+{
+    enum { EVERY = 9 };
+    Sheets sheets;
+    open_sheets(&sheets, MIDDLE_SIDE);
+    uint8_t *touched = calloc(sheets.model->point_count, 1);
+    ck_assert_ptr_nonnull(touched);
+    for (uint32_t i = 0; i < sheets.model->point_count; i += EVERY) {
+        touched[i] = 1;
+    }
+    for (uint32_t i = 0; i < sheets.model->slot_count; i++) { // the upper one comes into reach
+        sheets.model->predicted[i][1] -= sheets.model->cloth_of[i] == 1 ? 0.0105f : 0.0f;
+    }
+    move(&sheets, (f32x4){0}, 0.0005f);
+    (void)keep(&sheets);
+    for (int edges = 0; edges < 2; edges++) {
+        uint32_t all = 0;
+        uint32_t count = expect_touched(&sheets, edges != 0, touched, &all);
+        ck_assert_uint_gt(count, all / EVERY);
+        ck_assert_uint_lt(count, all);
+    }
+    free(touched);
     close_sheets(&sheets);
 }
 END_TEST
@@ -469,18 +516,40 @@ START_TEST(what_pins_press_together_finds_its_place)
 }
 END_TEST
 
+/// Pins lead one sheet through another that pins hold: nobody can help it, and it is said.
+START_TEST(what_only_pins_lead_through_each_other_is_counted)
+{
+    Sheets sheets;
+    open_sheets(&sheets, SIDE);
+    PercaleModel *model = sheets.model;
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        model->predicted[i][1] += model->cloth_of[i] == 0 ? 0.016f : 0.0f;
+        model->predicted[i][3] = 0.0f;
+    }
+    uint32_t passages = count_passages(model);
+    ck_assert_uint_gt(passages, 20);
+    PercalePairGuardStage stage = pair_guard_of(&sheets, 1e-3f);
+    PercalePairGuardCounts counts;
+    ck_assert(percale_pair_guard_run(&stage, &counts));
+    ck_assert_uint_eq(counts.left, passages);
+    close_sheets(&sheets);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("candidates");
     TCase *candidates = tcase_create("candidates");
     tcase_set_timeout(candidates, 60.0);
     tcase_add_test(candidates, however_they_move_all_pairs_in_reach_are_visited);
+    tcase_add_test(candidates, of_what_is_touched_all_pairs_are_visited_and_no_others);
     tcase_add_test(candidates, what_falls_together_spends_nothing_and_what_does_not_does);
     tcase_add_test(candidates, what_moves_spends_its_own);
     tcase_add_test(candidates, no_block_counts_from_a_moment_that_is_forgotten);
     tcase_add_test(candidates, the_state_is_that_of_finding_all_anew_in_each_substep);
     tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
     tcase_add_test(candidates, nothing_goes_through_however_it_is_thrown);
+    tcase_add_test(candidates, what_only_pins_lead_through_each_other_is_counted);
     tcase_add_test(candidates, what_pins_press_together_finds_its_place);
     suite_add_tcase(suite, candidates);
     return percale_test_run(suite);

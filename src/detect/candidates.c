@@ -483,6 +483,26 @@ static bool is_bounded(const PercaleVisiting *visiting)
     return visiting->candidates->bounded && !visiting->hood.all_near;
 }
 
+/// Drops the selected pairs without a touched point.
+static void drop_untouched(const PercaleVisiting *visiting, const PairRange *range,
+                           PercaleCollector *collector)
+{
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    const uint8_t *touched = visiting->touched;
+    uint32_t *numbers = collector->numbers.items;
+    uint32_t arity = visiting->hood.arity;
+    size_t kept = 0;
+    for (size_t i = 0; i < collector->numbers.count; i++) {
+        const PercaleItemPair *pair = &range->pairs->items[numbers[i]];
+        const uint32_t *points = list->queries[pair->place].points;
+        const uint32_t *corners = visiting->hood.primitives + (size_t)arity * pair->primitive;
+        numbers[kept] = numbers[i];
+        kept += (touched[points[0]] | touched[points[1]] | touched[corners[0]] | touched[corners[1]] |
+                 touched[corners[arity - 1]]) != 0;
+    }
+    collector->numbers.count = kept;
+}
+
 /// Those of the pairs that can be within reach of each other now, as the collector's `touched`. False without
 /// memory.
 static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
@@ -501,6 +521,9 @@ static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range
         select_bounded(visiting, range, collector);
     } else {
         select_found(visiting, range, collector);
+    }
+    if (visiting->touched != NULL) {
+        drop_untouched(visiting, range, collector);
     }
     touched->count = numbers->count;
     for (size_t i = 0; i < numbers->count; i++) {

@@ -122,6 +122,7 @@ typedef struct PercaleVisiting {
     const PercaleCandidates *candidates;
     uint32_t list;
     PercaleNeighborhood hood;
+    const uint8_t *touched; // [points] only pairs with such a point are asked; NULL: all
     PercaleVisit *visit;
     const void *context;
 } PercaleVisiting;

@@ -175,14 +175,15 @@ static void find_items(const void *context, PercaleCollector *collector, uint64_
     percale_candidates_visit(&kind->visiting, collector, first, end);
 }
 
-/// All passages from the start to where the points are now. `again`: they have been found already, and some
-/// moved.
-static bool find_passages(const PercalePairGuardStage *stage, bool again, PercalePairGuardCounts *counts)
+/// All passages from the start to where the points are now. `touched`: they have been found already; these
+/// points have moved since, or passed.
+static bool find_passages(const PercalePairGuardStage *stage, const uint8_t *touched,
+                          PercalePairGuardCounts *counts)
 {
     PercaleCandidates *candidates = stage->candidates;
     PercaleCandidateStage needed = {.from = stage->model->position,
                                     .to = stage->model->predicted,
-                                    .again = again,
+                                    .again = touched != NULL,
                                     .spare = percale_candidates_least_reach(candidates),
                                     .collectors = stage->collectors,
                                     .memory = stage->memory,
@@ -195,7 +196,7 @@ static bool find_passages(const PercalePairGuardStage *stage, bool again, Percal
         Kind kind = {stage,
                      list->mesh,
                      (double)percale_candidates_least_reach(candidates),
-                     {candidates, i, percale_candidates_hood(candidates, i), find_passing, &kind}};
+                     {candidates, i, percale_candidates_hood(candidates, i), touched, find_passing, &kind}};
         kind.visiting.hood.only_passing = true;
         complete = percale_collect(stage->team, percale_candidate_count(list), find_items, &kind,
                                    stage->collectors, stage->memory, &to);
@@ -206,10 +207,19 @@ static bool find_passages(const PercalePairGuardStage *stage, bool again, Percal
 
 // ---- back ----
 
+/// What the rounds work with.
+typedef struct Work {
+    const PercalePairGuardStage *stage;
+    PercaleZones zones;
+    uint8_t *touched; // [points] those that have passed when last looked for, or moved since
+} Work;
+
 /// Moves a point and gives it the velocity that it has so. What is known of its distances shrinks.
-static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 to)
+static void move_point(const Work *work, uint32_t slot, f32x4 to)
 {
+    const PercalePairGuardStage *stage = work->stage;
     PercaleModel *model = stage->model;
+    work->touched[slot] = 1;
     f32x4 by = with_w(to - model->predicted[slot], 0.0f);
     model->predicted[slot] = with_w(to, model->predicted[slot][3]);
     model->next_velocity[slot] += by / stage->dt;
@@ -222,9 +232,9 @@ static void move_point(const PercalePairGuardStage *stage, uint32_t slot, f32x4 
 }
 
 /// The projection of MATH.md, section 1.
-static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil)
+static void push_back(const Work *work, const PercaleStencil *stencil)
 {
-    const f32x4 *x = stage->model->predicted;
+    const f32x4 *x = work->stage->model->predicted;
     f32x4 offset = {0};
     float weight = 0.0f;
     for (int k = 1; k < 4; k++) {
@@ -244,58 +254,72 @@ static void push_back(const PercalePairGuardStage *stage, const PercaleStencil *
     for (int k = 0; k < 4; k++) {
         float share = x[stencil->points[k]][3] * stencil->weights[k];
         if (share != 0.0f) {
-            move_point(stage, stencil->points[k],
+            move_point(work, stencil->points[k],
                        x[stencil->points[k]] + stencil->normal * (share * depth / weight));
         }
     }
 }
 
 /// Those that still pass go half as far.
-static void hold_back(const PercalePairGuardStage *stage, const PercaleStencil *stencil)
+static void hold_back(const Work *work, const PercaleStencil *stencil)
 {
-    const PercaleModel *model = stage->model;
+    const PercaleModel *model = work->stage->model;
     for (int k = 0; k < 4; k++) {
         uint32_t point = stencil->points[k];
         if (model->predicted[point][3] > 0.0f) {
             f32x4 to = model->position[point] + (model->predicted[point] - model->position[point]) * 0.5f;
-            move_point(stage, point, to);
+            move_point(work, point, to);
         }
     }
 }
 
 /// What still passes goes together; with `all` the rest stands still: then nothing passes but what pins and
 /// obstacles force.
-static void move_zones(const PercalePairGuardStage *stage, PercaleZones *zones, bool all)
+static void move_zones(Work *work, bool all)
 {
-    const PercaleModel *model = stage->model;
-    for (size_t i = 0; i < stage->passing->count; i++) {
-        percale_zones_add(zones, model, &stage->passing->items[i]);
+    const PercaleModel *model = work->stage->model;
+    PercaleZones *zones = &work->zones;
+    for (size_t i = 0; i < work->stage->passing->count; i++) {
+        percale_zones_add(zones, model, &work->stage->passing->items[i]);
     }
     for (uint32_t slot = 0; slot < model->slot_count; slot++) {
         bool held = zones->parent[slot] != NO_ZONE;
         if (model->predicted[slot][3] > 0.0f && (held || all)) {
             f32x4 motion = held ? percale_zones_motion(zones, slot) : (f32x4){0};
-            move_point(stage, slot, model->position[slot] + motion);
+            move_point(work, slot, model->position[slot] + motion);
+        }
+    }
+}
+
+/// What has passed, and so far nothing else, is touched.
+static void touch_passing(const Work *work)
+{
+    const PercaleStencilList *passing = work->stage->passing;
+    memset(work->touched, 0, work->stage->model->point_count);
+    for (size_t i = 0; i < passing->count; i++) {
+        for (int k = 0; k < 4; k++) {
+            work->touched[passing->items[i].points[k]] = 1;
         }
     }
 }
 
 /// What of the guard's work is done in this round.
-static bool put_back(const PercalePairGuardStage *stage, int round, PercaleZones *zones)
+static bool put_back(Work *work, int round)
 {
-    const PercaleStencilList *passing = stage->passing;
-    if (round == HALVES && !percale_zones_create(zones, stage->model, stage->arena)) {
+    const PercaleStencilList *passing = work->stage->passing;
+    touch_passing(work);
+    if (round == HALVES && !percale_zones_create(&work->zones, work->stage->model, work->stage->arena)) {
         return false;
     }
     if (round >= HALVES) {
-        move_zones(stage, zones, round >= ROUNDS);
+        move_zones(work, round >= ROUNDS);
         return true;
     }
     for (size_t i = 0; i < passing->count; i++) { // few, and in a fixed order
         if (round < PUSHES) {
-            push_back(stage, &passing->items[i]);
+            push_back(work, &passing->items[i]);
         } else {
-            hold_back(stage, &passing->items[i]);
+            hold_back(work, &passing->items[i]);
         }
     }
     return true;
@@ -304,22 +328,16 @@ static bool put_back(const PercalePairGuardStage *stage, int round, PercaleZones
 bool percale_pair_guard_run(const PercalePairGuardStage *stage, PercalePairGuardCounts *counts)
 {
     *counts = (PercalePairGuardCounts){0};
-    PercaleZones zones;
-    for (int round = 0; round < LAST_ROUND; round++) {
-        if (!find_passages(stage, round > 0, counts)) {
-            return false;
-        }
-        if (stage->passing->count == 0) {
-            return true;
-        }
+    Work work = {.stage = stage};
+    bool complete = find_passages(stage, NULL, counts);
+    for (int round = 0; complete && round < LAST_ROUND && stage->passing->count > 0; round++) {
         counts->pushed += stage->passing->count;
-        if (!put_back(stage, round, &zones)) {
-            return false;
+        if (work.touched == NULL) {
+            work.touched = percale_arena_new(stage->arena, stage->model->point_count, 1);
         }
-    }
-    if (!find_passages(stage, true, counts)) {
-        return false;
+        complete =
+            work.touched != NULL && put_back(&work, round) && find_passages(stage, work.touched, counts);
     }
     counts->left = stage->passing->count;
-    return true;
+    return complete;
 }
