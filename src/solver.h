@@ -75,9 +75,4 @@ PercaleResult percale_solver_logged(PercaleSolver *solver, PercaleResult result)
 /// Index of the cloth in the objects, or SIZE_MAX with the error set.
 size_t percale_solver_require_cloth(PercaleSolver *solver, PercaleCloth cloth);
 
-/// Reads count points with a stride (0: 12 bytes) into packed floats; fails on a coordinate that is not
-/// finite or too large, naming its index in `what`.
-PercaleResult percale_solver_read_points(PercaleSolver *solver, const char *what, const float *source,
-                                         size_t stride, uint32_t count, float *points);
-
 #endif

@@ -1,6 +1,6 @@
 // solver_attachments.c: pins and seams, and the quality of the present state.
 
-#include "solver.h"
+#include "solver_reading.h"
 
 #include "audit/audit.h"
 
@@ -64,8 +64,8 @@ static PercaleResult fill_pin(PercaleSolver *solver, const PercalePinDef *def,
         return result;
     }
     return def->targets == NULL ? read_present_targets(solver, cloth, pin)
-                                : percale_solver_read_points(solver, "pin targets", def->targets,
-                                                             def->target_stride, def->vertex_count, pin->to);
+                                : percale_read_points(solver, "pin targets", def->targets, def->target_stride,
+                                                      def->vertex_count, pin->to);
 }
 
 static PercaleResult add_pin(PercaleSolver *solver, const PercalePinDef *def, PercalePin *pin)
@@ -129,8 +129,7 @@ static PercaleResult move_pin(PercaleSolver *solver, size_t index, const float *
     if (to == NULL) {
         return percale_fail_memory(&solver->error);
     }
-    PercaleResult result =
-        percale_solver_read_points(solver, "pin targets", targets, stride, pin->vertex_count, to);
+    PercaleResult result = percale_read_points(solver, "pin targets", targets, stride, pin->vertex_count, to);
     percale_memory_free(&solver->object_memory, result == PERCALE_OK ? pin->to : to);
     pin->to = result == PERCALE_OK ? to : pin->to;
     return result;

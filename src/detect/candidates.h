@@ -50,12 +50,13 @@ typedef struct PercaleCandidates {
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
-    float margin;           // m, beyond the reach
-    float thickest;         // cloth, m
-    PercaleBlocks blocks;   // of the cloth's slots, of each obstacle's vertices, of its edges
-    bool known;             // pairs have been found
-    bool bounded;           // the pairs' bounds hold where they were last kept for
-    PercaleBlockList spent; // those whose pairs were found anew when the candidates were last asked for
+    float margin;            // m, beyond the reach
+    float thickest;          // cloth, m
+    PercaleBlockReach reach; // the widest of any pair, and with the margin, which bounds don't exceed
+    PercaleBlocks blocks;    // of the cloth's slots, of each obstacle's vertices, of its edges
+    bool known;              // pairs have been found
+    bool bounded;            // the pairs' bounds hold where they were last kept for
+    PercaleBlockList spent;  // those whose pairs were found anew when the candidates were last asked for
 } PercaleCandidates;
 
 /// False without memory.
