@@ -241,6 +241,21 @@ static void write_bounds(const PercaleVisiting *visiting, const PairRange *range
     }
 }
 
+/// Drops those found that wait.
+static void drop_waiting(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
+{
+    float waiting = visiting->candidates->lists[visiting->list].waiting;
+    PercaleNeighborList *found = &collector->found;
+    size_t kept = 0;
+    for (size_t i = 0; i < found->count; i++) {
+        PercaleNeighbor neighbor = found->items[i];
+        found->items[kept] = neighbor;
+        kept += neighbor.may_pass || neighbor.distance <= waiting ||
+                range->pairs->watched[collector->numbers.items[neighbor.pair]];
+    }
+    found->count = kept;
+}
+
 /// Who was asked for its pairs has said which of them it wants to see again.
 static void write_watched(const PairRange *range, const PercaleCollector *collector)
 {
@@ -263,6 +278,9 @@ static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *colle
     bool complete = select_pairs(visiting, range, collector) &&
                     percale_neighbors_find(&visiting->hood, list->queries, touched->items, touched->count,
                                            &collector->memory, found);
+    if (complete && is_bounded(visiting) && !visiting->none_waits) {
+        drop_waiting(visiting, range, collector);
+    }
     collector->candidates += touched->count;
     collector->complete = collector->complete && complete;
     collector->neighbors = (PercaleNeighborList){.items = found->items};
