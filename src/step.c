@@ -77,8 +77,11 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .memory = &solver->detect_memory,
                                    .arena = &solver->arena,
                                    .team = substep->team};
+    PercalePinchStage pinches = pinch_stage_of(substep);
+    percale_pinches_loosen(&pinches);
     PercalePairGuardCounts counts;
     bool complete = percale_pair_guard_run(&stage, &counts);
+    percale_pinches_end(&pinches);
     solver->counters.candidates += counts.candidates;
     solver->counters.truncated += counts.pushed;
     solver->counters.left_crossed += counts.left;

@@ -247,6 +247,8 @@ static const Press PRESSES[] = {
     {"spheres, one body",           SPHERES, true, false, -0.02, 0.0, 0.0, 1, 0, 10, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
     {"spheres, shear",              SPHERES, false, false, -0.02, 0.02, 1.0, 1, 0, 10, 1, PERCALE_CCD_OFF, WIDE, THICK, MU},
     {"spheres, edges",              SPHERES, false, false, -0.005, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"spheres, two layers",         SPHERES, false, false, -0.01, 0.0, 0.0, 2, 1, 20, 1, PERCALE_CCD_RAY, WIDE, THICK, MU},
+    {"spheres, three layers",       SPHERES, false, false, -0.01, 0.0, 0.0, 3, 1, 20, 1, PERCALE_CCD_EXACT, WIDE, THICK, MU},
     {"plate and sphere, smooth",    PLATE_AND_SPHERE, false, false, -0.01, 0.02, 0.0, 1, 1, 5, 1, PERCALE_CCD_RAY, WIDE, THICK, 0.0f},
     {"plate and sphere",            PLATE_AND_SPHERE, false, false, -0.01, 0.0, 0.0, 1, 1, 5, 4, PERCALE_CCD_RAY, WIDE, THICK, MU},
 };

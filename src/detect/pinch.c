@@ -192,11 +192,22 @@ void percale_pinches_ride(const PercalePinchStage *stage)
     percale_team_for(stage->team, (uint32_t)stage->pinches->count, GRAIN_PINCHES, ride_range, &shared);
 }
 
+void percale_pinches_loosen(const PercalePinchStage *stage)
+{
+    for (size_t i = 0; i < stage->pinches->count; i++) {
+        const PercalePinch *pinch = &stage->pinches->items[i];
+        if (!pinch->is_leaving) {
+            stage->model->predicted[pinch->slot][3] = pinch->inverse_mass;
+        }
+    }
+}
+
 void percale_pinches_end(const PercalePinchStage *stage)
 {
     for (size_t i = 0; i < stage->pinches->count; i++) {
         const PercalePinch *pinch = &stage->pinches->items[i];
         if (!pinch->is_leaving) {
+            stage->model->predicted[pinch->slot][3] = 0.0f;
             stage->model->next_velocity[pinch->slot] = pinch->velocity;
         }
     }

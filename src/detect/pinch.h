@@ -83,8 +83,12 @@ void percale_pinches_ride(const PercalePinchStage *stage);
 bool percale_pinches_find(const PercalePinchStage *stage, const PercaleStencilList *stencils,
                           PercaleArena *arena, PercaleMemory *memory);
 
-/// The new velocities of those that are held are those of the surfaces: what moves them to their place is
-/// none.
+/// For the guard of pairs, who is held is cloth like any other: between closed surfaces it may have to stay
+/// behind, so that layers don't go through each other.
+void percale_pinches_loosen(const PercalePinchStage *stage);
+
+/// Holds them again. The new velocities of those that are held are those of the surfaces: what moves them to
+/// their place is none.
 void percale_pinches_end(const PercalePinchStage *stage);
 
 #endif
