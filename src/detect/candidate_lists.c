@@ -197,8 +197,6 @@ static bool list_queries(const PercaleCandidates *candidates, const Items *items
         queries[place] = query_of(candidates, items, place);
         items->list->widest = fmaxf(items->list->widest, queries[place].reach);
     }
-    bool waits = items->edges && items->list->mesh != &candidates->model->cloth;
-    items->list->waiting = waits ? EDGES_WAIT / CONTACT_REACH * items->list->widest : items->list->widest;
     return queries != NULL;
 }
 
@@ -281,7 +279,6 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
         for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
             percale_memory_free(memory, list->pairs[b].items);
             percale_memory_free(memory, list->pairs[b].bounds);
-            percale_memory_free(memory, list->pairs[b].watched);
         }
         percale_memory_free(memory, list->pairs);
         percale_memory_free(memory, list->first_pair);

@@ -177,9 +177,7 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
     PercalePairStage stage = *given;
     stage.born.count = given->only != NULL ? 0 : notes->count; // they stay the first of the notes
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {&stage,
-                     {candidates, i, percale_candidates_hood(candidates, i), NULL, !stage.edges_wait,
-                      find_item, &kind}};
+        Kind kind = {&stage, {candidates, i, percale_candidates_hood(candidates, i), NULL, find_item, &kind}};
         kind.visiting.hood.to = stage.end;
         stage.born.items = notes->items;
         kind.visiting.hood.all_near = stage.later_substeps > 0.0f;
