@@ -196,6 +196,8 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .may_be_crossed = solver->may_be_crossed,
                               .only = only,
                               .pinches = pinches_or_none(solver),
+                              .edges_wait =
+                                  solver->def.passes <= solver->def.substeps && solver->pinches.count == 0,
                               .team = substep->team};
     PercalePairCounts counts = {0};
     if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {

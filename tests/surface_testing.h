@@ -55,14 +55,19 @@ static inline void refit(Scene *scene, int thread_count)
 static inline void open_scene(Scene *scene, PercaleMesh mesh)
 {
     static uint32_t bystander[3] = {0, 2, 4};
+    static float nowhere[3 * BYSTANDERS];
     memset(scene, 0, sizeof(*scene));
     scene->allocator = percale_allocator_default();
     scene->memory.allocator = &scene->allocator;
     scene->mesh = mesh;
-    scene->objects[0] = (PercaleObstacleObject){
-        .vertex_count = BYSTANDERS, .triangle_count = 1, .triangles = bystander, .thickness = 0.002f};
+    scene->objects[0] = (PercaleObstacleObject){.vertex_count = BYSTANDERS,
+                                                .triangle_count = 1,
+                                                .base = nowhere,
+                                                .triangles = bystander,
+                                                .thickness = 0.002f};
     scene->objects[1] = (PercaleObstacleObject){.vertex_count = mesh.vertex_count,
                                                 .triangle_count = mesh.triangle_count,
+                                                .base = mesh.positions,
                                                 .triangles = mesh.triangles,
                                                 .thickness = 0.002f};
     scene->all.obstacles = scene->objects;

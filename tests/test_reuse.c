@@ -9,13 +9,15 @@ enum { SIZE = 900, FRAMES = PERCALE_SANITIZED ? 2 : 5, LAYERED_SIZE = 3000 };
 
 typedef struct Case {
     const char *scene;
-    const char *substeps, *iterations;
+    const char *substeps, *iterations, *passes;
     uint64_t size;
 } Case;
 
 static const Case CASES[] = {
-    {"drape", "20", "1", SIZE}, {"drape", "2", "5", SIZE},          {"funnel", "20", "1", SIZE},
-    {"cards", "20", "1", SIZE}, {"layers", "5", "4", LAYERED_SIZE}, {"dress", "20", "1", 1000},
+    {"drape", "20", "1", "0", SIZE},         {"drape", "2", "5", "0", SIZE},
+    {"funnel", "20", "1", "0", SIZE},        {"cards", "20", "1", "0", SIZE},
+    {"dress", "20", "1", "0", 1000},         {"dress", "5", "4", "20", 1000},
+    {"layers", "5", "4", "0", LAYERED_SIZE},
 };
 enum { CASE_COUNT = sizeof CASES / sizeof CASES[0] };
 
@@ -27,6 +29,7 @@ static uint64_t run(const Case *entry, const char *reuse, int threads, PercaleCo
     ck_assert_msg(scene != NULL, "%s", error.text);
     const char *const settings[][2] = {{"substeps", entry->substeps},
                                        {"iterations", entry->iterations},
+                                       {"passes", entry->passes},
                                        {"self", "on"},
                                        {"ee", "on"},
                                        {"reuse", reuse}};

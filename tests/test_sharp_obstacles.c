@@ -344,6 +344,41 @@ START_TEST(two_triangles_lie_on_many_nails)
 }
 END_TEST
 
+/// Edges of the cloth and of the ground get nothing to do where vertices and faces keep them apart.
+START_TEST(edges_wait_while_vertices_and_faces_keep_them_apart)
+{
+    enum { SIDE = 17 };
+    PercaleSolverDef def = percale_solver_def_default();
+    def.edge_edge = 1;
+    PercaleSolver *solver = percale_test_solver(def);
+    PercaleMesh ground = percale_test_sheet(9, 1.0f);
+    PercaleObstacleDef below = percale_test_obstacle_def(&ground);
+    below.thickness = THICKNESS;
+    PercaleObstacle obstacle;
+    PERCALE_TEST_OK(solver, percale_obstacle_add(solver, &below, &obstacle));
+    PercaleMesh sheet = percale_test_sheet(SIDE, 0.5f);
+    percale_test_translate(&sheet, 0.011f, THICKNESS, 0.007f);
+    PercaleClothDef cloth = percale_test_cloth_def(&sheet);
+    float velocities[3 * SIDE * SIDE] = {0.0f};
+    for (size_t i = 0; i < sheet.vertex_count; i++) {
+        velocities[3 * i] = 0.3f; // m/s; it slides
+    }
+    cloth.velocities = velocities;
+    cloth.material.thickness = THICKNESS;
+    PercaleCloth added;
+    PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth, &added));
+    for (int frame = 0; frame < 20; frame++) {
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+    }
+    PercaleCounters counters = percale_solver_counters(solver);
+    ck_assert_uint_gt(counters.stencils_vf, 1000);
+    ck_assert_uint_eq(counters.stencils_ee, 0);
+    percale_solver_destroy(solver);
+    percale_mesh_free(&ground);
+    percale_mesh_free(&sheet);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sharp_obstacles");
@@ -351,6 +386,7 @@ int main(void)
     tcase_set_timeout(sharp, 0);
     tcase_add_loop_test(sharp, nothing_sharp_goes_through_the_cloth, 0, 4 * SHAPE_COUNT);
     tcase_add_loop_test(sharp, two_triangles_lie_on_many_nails, 0, 2);
+    tcase_add_test(sharp, edges_wait_while_vertices_and_faces_keep_them_apart);
     tcase_add_test(sharp, a_tip_holds_an_edge_of_the_cloth_at_its_thickness);
     suite_add_tcase(suite, sharp);
     return percale_test_run(suite);

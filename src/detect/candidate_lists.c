@@ -197,6 +197,9 @@ static bool list_queries(const PercaleCandidates *candidates, const Items *items
         queries[place] = query_of(candidates, items, place);
         items->list->widest = fmaxf(items->list->widest, queries[place].reach);
     }
+    items->list->smooth = items->edges ? items->list->mesh->smooth_edges : NULL;
+    items->list->waiting =
+        items->list->smooth != NULL ? EDGES_WAIT / CONTACT_REACH * items->list->widest : items->list->widest;
     return queries != NULL;
 }
 
@@ -279,6 +282,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
         for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
             percale_memory_free(memory, list->pairs[b].items);
             percale_memory_free(memory, list->pairs[b].bounds);
+            percale_memory_free(memory, list->pairs[b].watched);
         }
         percale_memory_free(memory, list->pairs);
         percale_memory_free(memory, list->first_pair);

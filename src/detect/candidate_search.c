@@ -157,7 +157,8 @@ static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, PercaleMemory 
 {
     return percale_memory_reserve(memory, &pairs->items, &pairs->capacity, count, sizeof(pairs->items[0])) &&
            percale_memory_reserve(memory, &pairs->bounds, &pairs->bound_capacity, count,
-                                  sizeof(pairs->bounds[0]));
+                                  sizeof(pairs->bounds[0])) &&
+           percale_memory_reserve(memory, &pairs->watched, &pairs->watched_capacity, count, 1);
 }
 
 /// Finds the pairs of a block's items.
@@ -179,9 +180,11 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
         return false;
     }
     float since = candidates->bounded ? 0.0f : candidates->blocks.items[list->first_block + b].drifted;
+    float ahead = list->widest - list->waiting;
     for (size_t i = 0; i < count; i++) {
         pairs->items[i] = collector->pairs.items[i];
-        pairs->bounds[i] = fminf(pairs->items[i].distance, search->farthest) - since;
+        pairs->watched[i] = 1; // as far as is known
+        pairs->bounds[i] = fminf(pairs->items[i].distance, search->farthest) - ahead - since;
     }
     pairs->count = count;
     return true;

@@ -152,7 +152,8 @@ static void select_bounded(const PercaleVisiting *visiting, const PairRange *ran
                            PercaleCollector *collector)
 {
     const float *bounds = range->pairs->bounds;
-    float reach = visiting->hood.only_passing ? 0.0f : visiting->candidates->lists[visiting->list].widest;
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
+    float reach = visiting->hood.only_passing ? 0.0f : visiting->none_waits ? list->widest : list->waiting;
     float turned = range->block->turned;
     float most = (reach > turned ? reach : turned) + range->pairs->lost +
                  BOUND_ROUNDED * visiting->candidates->reach.far;
@@ -230,11 +231,44 @@ static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range
 static void write_bounds(const PercaleVisiting *visiting, const PairRange *range,
                          const PercaleCollector *collector)
 {
+    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     float far = visiting->candidates->reach.far;
     for (size_t i = 0; i < collector->touched.count; i++) {
+        uint32_t pair = collector->numbers.items[i];
         float distance = collector->touched.items[i].distance;
-        range->pairs->bounds[collector->numbers.items[i]] =
-            (distance < far ? distance : far) + range->pairs->lost;
+        float ahead = range->pairs->watched[pair] ? list->widest - list->waiting : 0.0f;
+        range->pairs->bounds[pair] = (distance < far ? distance : far) - ahead + range->pairs->lost;
+    }
+}
+
+/// Drops those found that wait.
+static void drop_waiting(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
+{
+    float waiting = visiting->candidates->lists[visiting->list].waiting;
+    PercaleNeighborList *found = &collector->found;
+    size_t kept = 0;
+    for (size_t i = 0; i < found->count; i++) {
+        PercaleNeighbor neighbor = found->items[i];
+        found->items[kept] = neighbor;
+        kept += neighbor.may_pass || neighbor.distance <= waiting ||
+                range->pairs->watched[collector->numbers.items[neighbor.pair]];
+    }
+    found->count = kept;
+}
+
+/// Who was asked for its pairs has said which of them it wants to see again.
+static void write_watched(const PercaleCandidateList *list, const PairRange *range,
+                          const PercaleCollector *collector)
+{
+    uint8_t *watched = range->pairs->watched;
+    for (size_t i = 0; i < collector->touched.count; i++) {
+        uint32_t place = collector->touched.items[i].place;
+        watched[collector->numbers.items[i]] =
+            !list->smooth[list->order != NULL ? list->order[place] : place];
+    }
+    for (size_t i = 0; i < collector->found.count; i++) {
+        const PercaleNeighbor *neighbor = &collector->found.items[i];
+        watched[collector->numbers.items[neighbor->pair]] |= neighbor->watched;
     }
 }
 
@@ -247,8 +281,8 @@ static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *colle
     bool complete = select_pairs(visiting, range, collector) &&
                     percale_neighbors_find(&visiting->hood, list->queries, touched->items, touched->count,
                                            &collector->memory, found);
-    if (complete && is_bounded(visiting)) {
-        write_bounds(visiting, range, collector);
+    if (complete && list->smooth != NULL && is_bounded(visiting) && !visiting->none_waits) {
+        drop_waiting(visiting, range, collector);
     }
     collector->candidates += touched->count;
     collector->complete = collector->complete && complete;
@@ -257,6 +291,12 @@ static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *colle
         uint32_t place = collector->neighbors.items[0].place;
         visiting->visit(visiting->context, collector, &list->queries[place], place,
                         list->order != NULL ? list->order[place] : place);
+    }
+    if (collector->complete && list->smooth != NULL && !visiting->hood.only_passing) {
+        write_watched(list, range, collector);
+    }
+    if (collector->complete && is_bounded(visiting)) {
+        write_bounds(visiting, range, collector);
     }
 }
 

@@ -22,12 +22,18 @@
 // substep.
 static const float CONTACT_REACH = 1.5f;
 
+// Thicknesses below which an edge of the cloth and an obstacle's get their first: above it vertices and faces
+// keep them apart. Once they have one they keep it within reach.
+static const float EDGES_WAIT = 0.9f;
+
 /// The pairs of a block, by item.
 typedef struct PercaleBlockPairs {
     PercaleItemPair *items;
     float
         *bounds; // m; when the blocks were last remembered, a pair was no nearer than this less what is lost
-    size_t count, capacity, bound_capacity;
+    uint8_t *watched; // who asked last wants to see the pair as long as it is within reach; else only when it
+                      // is nearer than pairs wait
+    size_t count, capacity, bound_capacity, watched_capacity;
     float lost;
 } PercaleBlockPairs;
 
@@ -37,6 +43,8 @@ typedef struct PercaleCandidateList {
     uint32_t *order;                 // [items] along a curve; NULL: as they are
     PercaleQuery *queries;           // [items] by place
     float widest;                    // m, the queries' largest reach
+    float waiting;                   // m; pairs that nobody watches are not wanted farther apart
+    const uint8_t *smooth; // [items] only pairs of these wait, others are watched always; NULL: none
     uint32_t first_block, block_count;
     uint32_t *first_item;     // [block_count + 1] places in the order
     PercaleBlockPairs *pairs; // [block_count]
@@ -124,6 +132,7 @@ typedef struct PercaleVisiting {
     uint32_t list;
     PercaleNeighborhood hood;
     const uint8_t *touched; // [points] only pairs with such a point are asked; NULL: all
+    bool none_waits;        // all within reach are wanted
     PercaleVisit *visit;
     const void *context;
 } PercaleVisiting;

@@ -260,8 +260,9 @@ bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery 
         uint32_t bits = present & (hood->all_near ? 0xff : asked.near | asked.passing);
         for (; bits != 0; bits &= bits - 1) {
             uint32_t k = (uint32_t)__builtin_ctz(bits);
-            list->items[list->count++] = (PercaleNeighbor){pairs[i + k].place, pairs[i + k].primitive,
-                                                           asked.distance[k], (asked.passing >> k & 1) != 0};
+            list->items[list->count++] =
+                (PercaleNeighbor){pairs[i + k].place, pairs[i + k].primitive,        asked.distance[k],
+                                  (uint32_t)(i + k),  (asked.passing >> k & 1) != 0, false};
         }
     }
     return true;

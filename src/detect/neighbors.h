@@ -17,7 +17,9 @@ typedef struct PercaleNeighbor {
     uint32_t place; // of the query
     uint32_t index;
     float distance; // m, at the end; at most this near
+    uint32_t pair;  // among those that were asked
     bool may_pass;  // the ways touch: one may have gone through the other
+    bool watched;   // for who asks: it wants to see the pair again as long as it is within reach
 } PercaleNeighbor;
 
 typedef struct PercaleNeighborList {

@@ -19,8 +19,9 @@ typedef struct EdgeView {
     bool has_passed;   // through each other, on the way
 } EdgeView;
 
-/// False when they are no pair: an end is closest, or they are too far apart. view->may_pass is given.
-static bool view_edges(const PercalePairStage *stage, const uint32_t points[4], const Keep *keep,
+/// False when they are no pair: an end is closest, or they are too far apart, the sooner if they wait.
+/// view->may_pass is given.
+static bool view_edges(const PercalePairStage *stage, const uint32_t points[4], const Keep *keep, bool waits,
                        EdgeView *view)
 {
     for (int k = 0; k < 4; k++) {
@@ -39,8 +40,11 @@ static bool view_edges(const PercalePairStage *stage, const uint32_t points[4], 
         view->between = vscale(vdot(view->between, across), across);
     }
     view->distance = vlength(view->between);
-    return view->has_passed ||
-           (inside && view->distance <= percale_pair_reach(stage, keep, points, view->weights));
+    double reach = percale_pair_reach(stage, keep, points, view->weights);
+    if (waits) {
+        reach -= (double)((CONTACT_REACH - EDGES_WAIT) * keep->thickness);
+    }
+    return view->has_passed || (inside && view->distance <= reach);
 }
 
 /// From the second edge to the first when the substep began, wherever they were closest.
@@ -95,7 +99,7 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
 {
     const uint64_t key = edge_key(edges[0], edges[1]);
     EdgeView view = {.may_pass = may_pass};
-    if (!view_edges(stage, points, &keep, &view) || is_born_crossed(stage, key)) {
+    if (!view_edges(stage, points, &keep, false, &view) || is_born_crossed(stage, key)) {
         return;
     }
     const PercalePairNote *note = percale_pair_find_note(stage->known, key);
@@ -115,17 +119,18 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
     percale_collect_note(collector, (PercalePairNote){.key = key, .normal = f32x4_of(push.normal, 0.0f)});
 }
 
-/// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note.
-static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector, uint64_t key,
+/// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note. Whether they
+/// get a stencil.
+static bool find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector, uint64_t key,
                                     Vec3 outward, const uint32_t points[4], Keep keep, bool may_pass,
-                                    bool is_leaving)
+                                    bool is_leaving, bool waits)
 {
+    const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     EdgeView view = {.may_pass = may_pass};
-    if (!view_edges(stage, points, &keep, &view)) {
-        return;
+    if (!view_edges(stage, points, &keep, waits && note == NULL, &view)) {
+        return false;
     }
     Vec3 before = start_between(&view);
-    const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
     if (is_leaving) {
         reference = vscale(vdot(view.between, outward) < 0.0 ? -1.0 : 1.0, view.between);
@@ -137,11 +142,12 @@ static void find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
                  .friction = keep.friction};
     if (!(vdot(reference, reference) > 0.0) ||
         vdot(push.normal, outward) < CLEAR_SIDE) { // not yet, or the cloth came from behind
-        return;
+        return false;
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));
     percale_pair_add(stage, collector, points, &push);
     percale_collect_note(collector, (PercalePairNote){.key = key, .normal = f32x4_of(push.normal, 0.0f)});
+    return true;
 }
 
 void percale_pair_find_edge(const PercalePairStage *stage, PercaleCollector *collector, uint32_t edge)
@@ -174,15 +180,16 @@ void percale_pair_find_obstacle_edge(const PercalePairStage *stage, PercaleColle
     uint32_t first = obstacle->edges.first_side[edge];
     Vec3 outward = percale_pair_outward(stage, obstacle, obstacle->edges.sides + first,
                                         obstacle->edges.first_side[edge + 1] - first, 3);
+    bool waits = stage->edges_wait && obstacle->smooth_edges[edge];
     for (size_t i = 0; i < collector->neighbors.count; i++) {
-        PercaleNeighbor other = collector->neighbors.items[i];
-        const uint32_t *ends = model->cloth.edges.vertices[other.index];
+        PercaleNeighbor *other = &collector->neighbors.items[i];
+        const uint32_t *ends = model->cloth.edges.vertices[other->index];
         const uint32_t points[4] = {ends[0], ends[1], own[0], own[1]};
         Keep keep;
         if (keep_of_obstacle(model, ends[0], obstacle, &keep)) {
-            find_obstacle_edge_pair(stage, collector, obstacle_edge_key(other.index, first_edge + edge),
-                                    outward, points, keep, other.may_pass,
-                                    is_leaving(stage, ends, 2, obstacle, outward));
+            other->watched = find_obstacle_edge_pair(
+                stage, collector, obstacle_edge_key(other->index, first_edge + edge), outward, points, keep,
+                other->may_pass, is_leaving(stage, ends, 2, obstacle, outward), waits);
         }
     }
 }

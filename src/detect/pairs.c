@@ -19,20 +19,23 @@ static uint64_t source_of(const Kind *kind, uint32_t place)
     return group << 32 | place;
 }
 
-/// Edges and faces that are held between obstacles collide with none (pinch.h).
-static void drop_pinched(const Kind *kind, PercaleCollector *collector)
+/// Edges and faces that are held between obstacles collide with none (pinch.h). Those that are in part go
+/// around what is sharp: else what hangs beside a thin plate swings under it.
+static void drop_pinched(const Kind *kind, PercaleCollector *collector, bool smooth)
 {
-    const uint8_t *is_pinched = kind->stage->pinches != NULL ? kind->stage->pinches->states : NULL;
+    const uint8_t *states = kind->stage->pinches != NULL ? kind->stage->pinches->states : NULL;
     const PercaleNeighborhood *hood = &kind->visiting.hood;
     PercaleNeighbor *items = collector->neighbors.items;
     size_t kept = 0;
-    for (size_t i = 0; is_pinched != NULL && i < collector->neighbors.count; i++) {
-        if (!percale_pinched_any(is_pinched, PINCH_HELD,
-                                 hood->primitives + (size_t)hood->arity * items[i].index, hood->arity)) {
+    for (size_t i = 0; states != NULL && i < collector->neighbors.count; i++) {
+        const uint32_t *corners = hood->primitives + (size_t)hood->arity * items[i].index;
+        bool is_held = smooth ? percale_pinched_any(states, PINCH_HELD, corners, hood->arity)
+                              : percale_pinched_all(states, corners, hood->arity);
+        if (!is_held) {
             items[kept++] = items[i];
         }
     }
-    collector->neighbors.count = is_pinched != NULL ? kept : collector->neighbors.count;
+    collector->neighbors.count = states != NULL ? kept : collector->neighbors.count;
 }
 
 static void find_item(const void *context, PercaleCollector *collector, const PercaleQuery *query,
@@ -45,7 +48,7 @@ static void find_item(const void *context, PercaleCollector *collector, const Pe
     const PercaleNeighborList given = collector->neighbors; // the next item's come after these
     collector->source = source_of(kind, place);
     if (mesh != &stage->model->cloth) {
-        drop_pinched(kind, collector);
+        drop_pinched(kind, collector, (edges ? mesh->smooth_edges : mesh->smooth_vertices)[item]);
     }
     if (mesh == &stage->model->cloth && edges) {
         percale_pair_find_edge(stage, collector, item);
@@ -177,7 +180,9 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
     PercalePairStage stage = *given;
     stage.born.count = given->only != NULL ? 0 : notes->count; // they stay the first of the notes
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
-        Kind kind = {&stage, {candidates, i, percale_candidates_hood(candidates, i), NULL, find_item, &kind}};
+        Kind kind = {&stage,
+                     {candidates, i, percale_candidates_hood(candidates, i), NULL, !stage.edges_wait,
+                      find_item, &kind}};
         kind.visiting.hood.to = stage.end;
         stage.born.items = notes->items;
         kind.visiting.hood.all_near = stage.later_substeps > 0.0f;

@@ -31,6 +31,7 @@ typedef struct PercalePairStage {
     bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
     const PercaleSources *only;    // NULL: all items
     const PercalePinches *pinches; // NULL: nothing is pinched
+    bool edges_wait; // those of the cloth and an obstacle's, as long as vertices and faces keep them apart
     PercaleTeam *team;
     PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;

@@ -67,6 +67,16 @@ static inline bool percale_pinched_any(const uint8_t *states, PercalePinchState 
     return any;
 }
 
+/// Whether all of these vertices are held.
+static inline bool percale_pinched_all(const uint8_t *states, const uint32_t *slots, uint32_t count)
+{
+    bool all = true;
+    for (uint32_t k = 0; k < count; k++) {
+        all = all && states[slots[k]] == (uint8_t)PINCH_HELD;
+    }
+    return all;
+}
+
 /// Whether one of these vertices leaves a pinch of which this is a surface: a feature of that obstacle, with
 /// this outward normal.
 bool percale_pinches_leave(const PercalePinches *pinches, const uint32_t *slots, uint32_t count,

@@ -193,10 +193,11 @@ static bool find_passages(const PercalePairGuardStage *stage, const uint8_t *tou
     PercaleCollected to = {.stencils = stage->passing};
     for (uint32_t i = 0; complete && i < candidates->list_count; i++) {
         const PercaleCandidateList *list = &candidates->lists[i];
-        Kind kind = {stage,
-                     list->mesh,
-                     (double)percale_candidates_least_reach(candidates),
-                     {candidates, i, percale_candidates_hood(candidates, i), touched, find_passing, &kind}};
+        Kind kind = {
+            stage,
+            list->mesh,
+            (double)percale_candidates_least_reach(candidates),
+            {candidates, i, percale_candidates_hood(candidates, i), touched, false, find_passing, &kind}};
         kind.visiting.hood.only_passing = true;
         complete = percale_collect(stage->team, percale_candidate_count(list), find_items, &kind,
                                    stage->collectors, stage->memory, &to);

@@ -370,6 +370,43 @@ static bool build_near(PercaleModel *model, PercaleMemory *memory)
     return complete;
 }
 
+static Vec3 area_of(const float *x, const uint32_t *corners)
+{
+    Vec3 p[3];
+    for (int k = 0; k < 3; k++) {
+        const float *corner = x + 3 * (size_t)corners[k];
+        p[k] = (Vec3){(double)corner[0], (double)corner[1], (double)corner[2]};
+    }
+    return vcross(vsub(p[1], p[0]), vsub(p[2], p[0]));
+}
+
+/// Finds the edges at whose sides lie two faces that turn by less than 45 degrees as added, and the vertices
+/// that have no other edges.
+static bool find_smooth(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,
+                        PercaleMemory *memory)
+{
+    const double SMOOTH = 0.7; // least cosine between the faces
+    const PercaleEdges *edges = &obstacle->edges;
+    obstacle->smooth_edges = percale_memory_new(memory, edges->edge_count, 1);
+    obstacle->smooth_vertices = percale_memory_new(memory, obstacle->vertex_count, 1);
+    if (obstacle->smooth_edges == NULL || obstacle->smooth_vertices == NULL) {
+        return false;
+    }
+    memset(obstacle->smooth_vertices, 1, obstacle->vertex_count);
+    for (uint32_t e = 0; e < edges->edge_count; e++) {
+        uint32_t first = edges->first_side[e];
+        if (edges->first_side[e + 1] - first == 2) {
+            Vec3 a = area_of(object->base, object->triangles + 3 * (size_t)(edges->sides[first] / 3));
+            Vec3 b = area_of(object->base, object->triangles + 3 * (size_t)(edges->sides[first + 1] / 3));
+            obstacle->smooth_edges[e] = vdot(a, b) > SMOOTH * vlength(a) * vlength(b);
+        }
+        for (int k = 0; k < 2; k++) {
+            obstacle->smooth_vertices[edges->vertices[e][k]] &= obstacle->smooth_edges[e];
+        }
+    }
+    return true;
+}
+
 static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleObject *object,
                            uint32_t first_point, PercaleMemory *memory)
 {
@@ -382,7 +419,7 @@ static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleO
     obstacle->triangles = percale_memory_new(memory, 3 * (size_t)object->triangle_count, sizeof(uint32_t));
     if (obstacle->triangles == NULL ||
         !percale_edges_build(object->triangles, object->triangle_count, memory, &obstacle->edges) ||
-        !build_vertex_faces(obstacle, object->triangles, memory)) {
+        !build_vertex_faces(obstacle, object->triangles, memory) || !find_smooth(obstacle, object, memory)) {
         return false;
     }
     for (size_t side = 0; side < 3 * (size_t)object->triangle_count; side++) {
@@ -436,6 +473,8 @@ static void free_surface(PercaleModelSurface *surface, PercaleMemory *memory)
     percale_memory_free(memory, surface->triangles);
     percale_edges_free(&surface->edges, memory);
     percale_memory_free(memory, surface->vertex_first_face);
+    percale_memory_free(memory, surface->smooth_edges);
+    percale_memory_free(memory, surface->smooth_vertices);
     percale_memory_free(memory, surface->vertex_faces);
 }
 
