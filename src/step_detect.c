@@ -198,6 +198,7 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .pinches = pinches_or_none(solver),
                               .edges_wait =
                                   solver->def.passes <= solver->def.substeps && solver->pinches.count == 0,
+                              .arena = &solver->arena,
                               .team = substep->team};
     PercalePairCounts counts = {0};
     if (only == NULL && solver->def.reuse == PERCALE_REUSE_ALWAYS) {

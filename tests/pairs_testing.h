@@ -32,7 +32,9 @@ static inline PercalePairCounts percale_test_find_pairs(PercaleSolver *solver, c
                               .dt = 1e-3f,
                               .may_be_crossed = only == NULL,
                               .only = only,
+                              .arena = &solver->arena,
                               .team = alone};
+    percale_arena_reset(&solver->arena);
     solver->stencils.count = 0;
     ck_assert(percale_pairs_find(&stage, &solver->collectors, &solver->detect_memory, &solver->stencils,
                                  &solver->notes[1], &counts));

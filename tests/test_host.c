@@ -311,6 +311,57 @@ START_TEST(a_step_in_the_long_run_asks_for_nothing)
 }
 END_TEST
 
+/// Two sheets that lie on a ball in folds, with everything that contact has.
+static PercaleSolver *make_pile(Heap *heap, const PercaleMesh *ball, PercaleObstacle *obstacle)
+{
+    PercaleSolverDef def = percale_solver_def_default();
+    def.thread_count = 1; // whose scratch grows is the same in each run
+    def.self_collision = def.edge_edge = 1;
+    def.damping = 5.0f; // 1/s; it comes to rest soon
+    def.allocate = allocate;
+    def.release = release;
+    def.allocator_user = heap;
+    PercaleSolver *solver = percale_test_solver(def);
+    for (int i = 0; i < 2; i++) {
+        PercaleMesh sheet = percale_test_sheet(15, 0.5f);
+        percale_test_translate(&sheet, 0.03f * (float)i, 0.21f + 0.01f * (float)i, 0.0f);
+        PercaleClothDef cloth_def = percale_test_cloth_def(&sheet);
+        cloth_def.material.friction = 1.0f;
+        PercaleCloth cloth;
+        PERCALE_TEST_OK(solver, percale_cloth_add(solver, &cloth_def, &cloth));
+        percale_mesh_free(&sheet);
+    }
+    *obstacle = percale_test_add_obstacle(solver, ball);
+    return solver;
+}
+
+START_TEST(a_pile_in_the_long_run_asks_for_nothing)
+{
+    enum { MOVING = 40, FRAMES = 120, COUNTED = 30 };
+    Heap heap = {.fail_at = SIZE_MAX};
+    PercaleMesh ball = percale_test_sphere(3, 0.2f);
+    PercaleObstacle obstacle;
+    PercaleSolver *solver = make_pile(&heap, &ball, &obstacle);
+    size_t calls = 0;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        if (frame < MOVING) { // up and down, so that more comes near than at rest
+            percale_test_translate(&ball, 0.0f, frame % 10 < 5 ? 3e-3f : -3e-3f, 0.0f);
+            PERCALE_TEST_OK(solver, percale_obstacle_move(solver, obstacle, ball.positions, 0, NULL, 0));
+        }
+        size_t before = heap.call_count;
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+        calls += frame >= FRAMES - COUNTED ? heap.call_count - before : 0;
+    }
+    PercaleCounters counters = percale_solver_counters(solver);
+    ck_assert_uint_gt(counters.stencils_ee, 0);
+    ck_assert_uint_gt(counters.stencils_vf, 0);
+    ck_assert_uint_eq(calls, 0);
+    percale_solver_destroy(solver);
+    ck_assert_uint_eq(heap.live_count, 0);
+    percale_mesh_free(&ball);
+}
+END_TEST
+
 // ---- the host's modes ----
 
 START_TEST(however_the_host_rounds_the_bits_are_the_same)
@@ -456,6 +507,7 @@ int main(void)
     tcase_add_test(memory, every_byte_comes_back);
     tcase_add_test(memory, every_allocation_may_fail);
     tcase_add_test(memory, a_step_in_the_long_run_asks_for_nothing);
+    tcase_add_test(memory, a_pile_in_the_long_run_asks_for_nothing);
     suite_add_tcase(suite, memory);
     TCase *modes = tcase_create("modes");
     tcase_set_timeout(modes, 60.0);

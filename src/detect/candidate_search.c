@@ -152,9 +152,14 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     return complete;
 }
 
-/// Room for that many pairs.
+/// Room for that many pairs, and for some more when there was none: a block's count goes up and down.
 static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, PercaleMemory *memory)
 {
+    if (count > pairs->capacity) {
+        count += count / 8 + 8;
+    } else {
+        count = pairs->capacity;
+    }
     return percale_memory_reserve(memory, &pairs->items, &pairs->capacity, count, sizeof(pairs->items[0])) &&
            percale_memory_reserve(memory, &pairs->bounds, &pairs->bound_capacity, count,
                                   sizeof(pairs->bounds[0])) &&

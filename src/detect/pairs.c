@@ -4,8 +4,6 @@
 #include "detect/pair_parts.h"
 #include "detect/pinch.h"
 
-#include <string.h>
-
 /// The candidates of one kind of item, and what they are asked.
 typedef struct Kind {
     const PercalePairStage *stage;
@@ -90,28 +88,23 @@ static void find_crossings(const void *context, PercaleCollector *collector, uin
 }
 
 /// By key.
-static bool sort_notes(PercaleNoteList *notes, PercaleMemory *memory)
+static bool sort_notes(PercaleNoteList *notes, PercaleArena *arena)
 {
-    PercaleKeyed *keyed = percale_memory_new(memory, notes->count, sizeof(keyed[0]));
-    PercaleKeyed *scratch = percale_memory_new(memory, notes->count, sizeof(keyed[0]));
-    PercalePairNote *sorted = percale_memory_new(memory, notes->count, sizeof(sorted[0]));
-    bool complete = keyed != NULL && scratch != NULL && sorted != NULL;
-    if (complete) {
-        for (size_t i = 0; i < notes->count; i++) {
-            keyed[i] = (PercaleKeyed){notes->items[i].key, (uint32_t)i};
-        }
-        percale_radix_sort(keyed, scratch, notes->count);
-        for (size_t i = 0; i < notes->count; i++) {
-            sorted[i] = notes->items[keyed[i].value];
-        }
-        if (notes->count > 0) {
-            memcpy(notes->items, sorted, notes->count * sizeof(sorted[0]));
-        }
+    PercaleKeyed *keyed = percale_arena_new(arena, notes->count, sizeof(keyed[0]));
+    PercaleKeyed *scratch = percale_arena_new(arena, notes->count, sizeof(keyed[0]));
+    PercalePairNote *unsorted = percale_arena_new(arena, notes->count, sizeof(unsorted[0]));
+    if (keyed == NULL || scratch == NULL || unsorted == NULL) {
+        return false;
     }
-    percale_memory_free(memory, keyed);
-    percale_memory_free(memory, scratch);
-    percale_memory_free(memory, sorted);
-    return complete;
+    for (size_t i = 0; i < notes->count; i++) {
+        keyed[i] = (PercaleKeyed){notes->items[i].key, (uint32_t)i};
+        unsorted[i] = notes->items[i];
+    }
+    percale_radix_sort(keyed, scratch, notes->count);
+    for (size_t i = 0; i < notes->count; i++) {
+        notes->items[i] = unsorted[keyed[i].value];
+    }
+    return true;
 }
 
 /// Leaves one of those with the same key.
@@ -140,7 +133,7 @@ static bool find_born(const PercalePairStage *stage, PercaleCollectors *collecto
     bool complete = percale_collect(stage->team, model->cloth.edges.edge_count, find_crossings, stage,
                                     collectors, memory, &(PercaleCollected){.notes = notes});
     counts->born_crossed += collectors->born_crossed;
-    complete = complete && sort_notes(notes, memory);
+    complete = complete && sort_notes(notes, stage->arena);
     drop_repeated(notes);
     counts->free_pairs = notes->count;
     return complete;
@@ -195,7 +188,7 @@ bool percale_pairs_find(const PercalePairStage *given, PercaleCollectors *collec
         counts->candidates += collectors->candidates;
         *(i % 2 == 1 ? &counts->edge_edge : &counts->vertex_face) += stencils->count - before;
     }
-    return complete && sort_notes(notes, memory);
+    return complete && sort_notes(notes, stage.arena);
 }
 
 static bool is_same(const PercaleStencil *a, const PercaleStencil *b)

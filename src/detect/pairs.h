@@ -17,6 +17,7 @@
 #ifndef PERCALE_PAIRS_H
 #define PERCALE_PAIRS_H
 
+#include "base/arena.h"
 #include "detect/candidates.h"
 #include "detect/pinch.h"
 #include "detect/renew.h"
@@ -32,6 +33,7 @@ typedef struct PercalePairStage {
     const PercaleSources *only;    // NULL: all items
     const PercalePinches *pinches; // NULL: nothing is pinched
     bool edges_wait; // those of the cloth and an obstacle's, as long as vertices and faces keep them apart
+    PercaleArena *arena;
     PercaleTeam *team;
     PercaleNoteList born; // pairs that were born crossed; percale_pairs_find fills it in
 } PercalePairStage;
