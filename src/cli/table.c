@@ -33,7 +33,9 @@ void percale_table_print(const PercaleReport *report)
     print_quality(&report->quality, &report->quality_last);
     if (report->crossing[0] != '\0')
         (void)printf("%s\n", report->crossing);
-    (void)printf("\n%-28s %14.1f MB\n", "peak memory", (double)report->peak_bytes / MEGABYTE);
+    (void)printf("\n%-28s %14.1f MB, %.0f bytes per cloth vertex\n", "peak memory",
+                 (double)report->peak_bytes / MEGABYTE,
+                 (double)report->peak_bytes / (double)report->vertices);
     (void)printf("%-26s %016" PRIx64 "\n", "state hash", report->state_hash);
 }
 
