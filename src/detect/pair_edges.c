@@ -119,21 +119,28 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
     percale_collect_note(collector, (PercalePairNote){.key = key, .normal = f32x4_of(push.normal, 0.0f)});
 }
 
+/// An obstacle's edge and the cloth's.
+typedef struct ObstacleEdge {
+    const PercaleModelSurface *obstacle;
+    Vec3 outward;
+    bool waits;
+} ObstacleEdge;
+
 /// An obstacle's edge and one of the cloth: only out of the obstacle. `key`: of the pair's note. Whether they
 /// get a stencil.
-static bool find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector, uint64_t key,
-                                    Vec3 outward, const uint32_t points[4], Keep keep, bool may_pass,
-                                    bool is_leaving, bool waits)
+static bool find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollector *collector,
+                                    const ObstacleEdge *edge, uint64_t key, const uint32_t points[4],
+                                    Keep keep, bool may_pass)
 {
     const PercalePairNote *note = percale_pair_find_note(stage->known, key);
     EdgeView view = {.may_pass = may_pass};
-    if (!view_edges(stage, points, &keep, waits && note == NULL, &view)) {
+    if (!view_edges(stage, points, &keep, edge->waits && note == NULL, &view)) {
         return false;
     }
     Vec3 before = start_between(&view);
     Vec3 reference = reference_of(&view, note, before, (double)keep.thickness);
-    if (is_leaving) {
-        reference = vscale(vdot(view.between, outward) < 0.0 ? -1.0 : 1.0, view.between);
+    if (is_leaving(stage, points, 2, edge->obstacle, edge->outward)) {
+        reference = vscale(vdot(view.between, edge->outward) < 0.0 ? -1.0 : 1.0, view.between);
     }
     Push push = {.edges = true,
                  .normal = directed(&view, reference, (double)keep.thickness),
@@ -141,7 +148,7 @@ static bool find_obstacle_edge_pair(const PercalePairStage *stage, PercaleCollec
                  .thickness = keep.thickness,
                  .friction = keep.friction};
     if (!(vdot(reference, reference) > 0.0) ||
-        vdot(push.normal, outward) < CLEAR_SIDE) { // not yet, or the cloth came from behind
+        vdot(push.normal, edge->outward) < CLEAR_SIDE) { // not yet, or the cloth came from behind
         return false;
     }
     memcpy(push.weights, view.weights, sizeof(push.weights));
@@ -178,18 +185,21 @@ void percale_pair_find_obstacle_edge(const PercalePairStage *stage, PercaleColle
         first_edge += o->edges.edge_count;
     }
     uint32_t first = obstacle->edges.first_side[edge];
-    Vec3 outward = percale_pair_outward(stage, obstacle, obstacle->edges.sides + first,
-                                        obstacle->edges.first_side[edge + 1] - first, 3);
-    bool waits = stage->edges_wait && obstacle->smooth_edges[edge];
+    const ObstacleEdge own_edge = {
+        obstacle,
+        percale_pair_outward(stage, obstacle, obstacle->edges.sides + first,
+                             obstacle->edges.first_side[edge + 1] - first, 3),
+        stage->edges_wait && obstacle->smooth_edges[edge],
+    };
     for (size_t i = 0; i < collector->neighbors.count; i++) {
         PercaleNeighbor *other = &collector->neighbors.items[i];
         const uint32_t *ends = model->cloth.edges.vertices[other->index];
         const uint32_t points[4] = {ends[0], ends[1], own[0], own[1]};
         Keep keep;
         if (keep_of_obstacle(model, ends[0], obstacle, &keep)) {
-            other->watched = find_obstacle_edge_pair(
-                stage, collector, obstacle_edge_key(other->index, first_edge + edge), outward, points, keep,
-                other->may_pass, is_leaving(stage, ends, 2, obstacle, outward), waits);
+            other->watched = find_obstacle_edge_pair(stage, collector, &own_edge,
+                                                     obstacle_edge_key(other->index, first_edge + edge),
+                                                     points, keep, other->may_pass);
         }
     }
 }
