@@ -17,6 +17,10 @@ enum {
 // Mean edges that a block is wide at most: a square of BLOCK_SLOTS has 6 on a side.
 static const float BLOCK_EDGES_WIDE = 7.0f;
 
+// Thicknesses by which the cloth's edges and faces may go deeper than its vertices where an obstacle is flat
+// to them.
+static const double FLAT = 0.15;
+
 /// Farthest that surfaces of these thicknesses are in reach of each other, m.
 static float widest_reach(float a, float b)
 {
@@ -32,23 +36,65 @@ static float mean_edge(const PercaleModel *model)
     return model->edge_count > 0 ? (float)(sum / (double)model->edge_count) : 0.0f;
 }
 
-/// An obstacle's vertices or edges along a curve: nobody else has ordered them.
-static bool order_items(PercaleCandidateList *list, bool of_edges, const f32x4 *x, PercaleMemory *memory)
+static double longest_edge(const PercaleModel *model)
+{
+    float longest = 0.0f;
+    for (uint32_t e = 0; e < model->edge_count; e++) {
+        longest = fmaxf(longest, model->edge_lengths[e]);
+    }
+    return (double)longest;
+}
+
+/// The least gap that any vertex of the cloth keeps from an obstacle, m.
+static double least_gap(const PercaleModel *model, const PercaleModelSurface *obstacle)
+{
+    float thinnest = INFINITY;
+    for (uint32_t c = 0; c < model->cloth_count; c++) {
+        thinnest = fminf(thinnest, model->cloths[c].thickness);
+    }
+    return 0.5 * ((double)thinnest + (double)obstacle->thickness);
+}
+
+/// An obstacle's vertices or edges along a curve, nobody else has ordered them, but for those that are flat.
+static bool order_items(PercaleCandidateList *list, bool of_edges, const uint8_t *flat, const f32x4 *x,
+                        PercaleMemory *memory)
 {
     const PercaleModelSurface *mesh = list->mesh;
-    uint32_t count = of_edges ? mesh->edges.edge_count : mesh->vertex_count;
-    float *centroids = percale_memory_new(memory, 3 * (size_t)count, sizeof(float));
-    list->order = percale_memory_new(memory, count, sizeof(uint32_t));
-    bool complete = centroids != NULL && list->order != NULL;
-    for (uint32_t i = 0; complete && i < count; i++) {
+    uint32_t all = of_edges ? mesh->edges.edge_count : mesh->vertex_count;
+    float *centroids = percale_memory_new(memory, 3 * (size_t)all, sizeof(float));
+    uint32_t *items = percale_memory_new(memory, all, sizeof(uint32_t));
+    list->order = percale_memory_new(memory, all, sizeof(uint32_t));
+    bool complete = centroids != NULL && items != NULL && list->order != NULL;
+    uint32_t count = 0;
+    for (uint32_t i = 0; complete && i < all; i++) {
         const uint32_t *ends = of_edges ? mesh->edges.vertices[i] : NULL;
         f32x4 sum = x[mesh->first_point + (of_edges ? ends[0] : i)];
         sum += of_edges ? x[mesh->first_point + ends[1]] : sum;
-        memcpy(centroids + 3 * (size_t)i, &sum, 3 * sizeof(float));
+        memcpy(centroids + 3 * (size_t)count, &sum, 3 * sizeof(float));
+        items[count] = i;
+        count += flat == NULL || flat[i] == 0;
     }
     complete = complete && percale_order_along_curve(centroids, count, memory, list->order);
+    for (uint32_t place = 0; complete && place < count; place++) {
+        list->order[place] = items[list->order[place]];
+    }
+    list->item_count = count;
     percale_memory_free(memory, centroids);
+    percale_memory_free(memory, items);
     return complete;
+}
+
+/// What of an obstacle may come near anything of the cloth but its vertices.
+static bool order_obstacle(PercaleCandidates *candidates, uint32_t o, bool edges, PercaleMemory *memory)
+{
+    const PercaleModel *model = candidates->model;
+    const PercaleModelSurface *mesh = &model->obstacles[o];
+    PercaleCandidateList *lists = &candidates->lists[2 + 2 * (size_t)o];
+    PercaleFlat *flat = &candidates->flats[o];
+    return (!mesh->rigid || percale_flat_find(mesh, model->position, longest_edge(model),
+                                              FLAT * least_gap(model, mesh), flat, memory)) &&
+           order_items(&lists[0], false, flat->vertices, model->position, memory) &&
+           (!edges || order_items(&lists[1], true, flat->edges, model->position, memory));
 }
 
 /// The items of a list, while they are cut into blocks.
@@ -71,7 +117,7 @@ static Items items_of(const PercaleCandidates *candidates, PercaleCandidateList 
     }
     return (Items){list,
                    x,
-                   edges ? mesh->edges.edge_count : mesh->vertex_count,
+                   list->item_count,
                    edges ? BLOCK_EDGES : BLOCK_SLOTS,
                    edges,
                    BLOCK_EDGES_WIDE * sum / fmaxf((float)mesh->edges.edge_count, 1.0f)};
@@ -208,6 +254,8 @@ static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBloc
 {
     const PercaleModel *model = candidates->model;
     PercaleCandidateList *lists = candidates->lists;
+    lists[0].item_count = model->cloth.vertex_count;
+    lists[1].item_count = model->cloth.edges.edge_count;
     Items slots = items_of(candidates, &lists[0], false);
     Items cloth_edges = items_of(candidates, &lists[1], true);
     bool complete = cut_list(&slots, 0, memory) && cut_cloth_edges(&lists[1], &lists[0], memory) &&
@@ -215,11 +263,11 @@ static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBloc
                     list_queries(candidates, &cloth_edges, memory);
     for (uint32_t i = 2; complete && candidates->obstacles && i < candidates->list_count; i++) {
         bool of_edges = i % 2 == 1;
-        if (edges || !of_edges) {
-            complete = order_items(&lists[i], of_edges, model->position, memory);
+        complete = of_edges || order_obstacle(candidates, i / 2 - 1, edges, memory);
+        if (complete && (edges || !of_edges)) {
             Items items = items_of(candidates, &lists[i], of_edges);
-            complete = complete && cut_list(&items, lister->count, memory) &&
-                       list_points(&items, lister, memory) && list_queries(candidates, &items, memory);
+            complete = cut_list(&items, lister->count, memory) && list_points(&items, lister, memory) &&
+                       list_queries(candidates, &items, memory);
         }
     }
     complete = complete && percale_blocks_create(&candidates->blocks, lister, lists[0].block_count,
@@ -260,11 +308,12 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
     candidates->reach.far = candidates->reach.near + candidates->margin;
     candidates->list_count = 2 + 2 * model->obstacle_count;
     candidates->lists = percale_memory_new(memory, candidates->list_count, sizeof(candidates->lists[0]));
+    candidates->flats = percale_memory_new(memory, model->obstacle_count, sizeof(candidates->flats[0]));
     for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
         candidates->lists[i].mesh = i < 2 ? &model->cloth : &model->obstacles[i / 2 - 1];
     }
     PercaleBlockLister lister = {.last = percale_memory_new(memory, model->point_count, sizeof(uint32_t))};
-    bool complete = candidates->lists != NULL && lister.last != NULL &&
+    bool complete = candidates->lists != NULL && candidates->flats != NULL && lister.last != NULL &&
                     create_blocks(candidates, edges, &lister, memory) &&
                     percale_tree_build(&candidates->faces, model->cloth.triangles, 3,
                                        model->cloth.triangle_count, model->position, memory) &&
@@ -290,7 +339,11 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
         percale_memory_free(memory, list->order);
         percale_memory_free(memory, list->queries);
     }
+    for (uint32_t o = 0; candidates->flats != NULL && o < candidates->model->obstacle_count; o++) {
+        percale_flat_free(&candidates->flats[o], memory);
+    }
     percale_memory_free(memory, candidates->lists);
+    percale_memory_free(memory, candidates->flats);
     percale_memory_free(memory, candidates->spent.blocks);
     percale_memory_free(memory, candidates->last_edges);
     percale_blocks_free(&candidates->blocks, memory);

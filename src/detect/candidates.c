@@ -91,6 +91,9 @@ bool percale_candidates_keep(PercaleCandidates *candidates, const PercaleCandida
     PercaleBlockReach reach = candidates->reach;
     uint32_t range[2];
     searching_blocks(candidates, range);
+    if (range[0] == range[1]) {
+        return true;
+    }
     candidates->bounded = !stage->all_near;
     PercaleBlockWays ways = {stage->from, stage->to, stage->again};
     percale_blocks_measure(blocks, &ways, candidates->bounded, stage->team);

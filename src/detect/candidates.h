@@ -16,6 +16,7 @@
 
 #include "detect/blocks.h"
 #include "detect/collect.h"
+#include "detect/flat.h"
 #include "model/model.h"
 
 // Thicknesses within which two features get a stencil: half of one is for what the solver moves them in a
@@ -40,11 +41,12 @@ typedef struct PercaleBlockPairs {
 /// The pairs of one kind of item: of each block those that were found for its items, by item.
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
-    uint32_t *order;                 // [items] along a curve; NULL: as they are
+    uint32_t *order;                 // [items] along a curve; NULL: all, as they are
     PercaleQuery *queries;           // [items] by place
     float widest;                    // m, the queries' largest reach
     float waiting;                   // m; pairs that nobody watches are not wanted farther apart
     const uint8_t *smooth; // [items] only pairs of these wait, others are watched always; NULL: none
+    uint32_t item_count;
     uint32_t first_block, block_count;
     uint32_t *first_item;     // [block_count + 1] places in the order
     PercaleBlockPairs *pairs; // [block_count]
@@ -58,6 +60,7 @@ typedef struct PercaleCandidates {
     bool cloth, obstacles;       // what collides with the cloth
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
+    PercaleFlat *flats;      // [obstacle_count] whose items are in no list
     float margin;            // m, beyond the reach
     float thickest;          // cloth, m
     PercaleBlockReach reach; // the widest of any pair, and with the margin, which bounds don't exceed

@@ -415,7 +415,8 @@ static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleO
                                       .triangle_count = object->triangle_count,
                                       .thickness = object->thickness,
                                       .friction = object->friction,
-                                      .mask = object->mask};
+                                      .mask = object->mask,
+                                      .rigid = object->motion != MOTION_DEFORMING};
     obstacle->triangles = percale_memory_new(memory, 3 * (size_t)object->triangle_count, sizeof(uint32_t));
     if (obstacle->triangles == NULL ||
         !percale_edges_build(object->triangles, object->triangle_count, memory, &obstacle->edges) ||
