@@ -343,10 +343,8 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < model->obstacle_count; o++) {
         complete = percale_proximity_create(&solver->proximities[o], model, &model->obstacles[o],
                                             solver->def.ccd == PERCALE_CCD_EXACT, memory);
-        if (complete) {
-            percale_tree_refit(&solver->proximities[o].tree, model->obstacles[o].triangles, model->position,
-                               percale_team_alone());
-        }
+        complete =
+            complete && percale_proximity_begin(&solver->proximities[o], model, &model->obstacles[o], memory);
     }
     if (complete && model->cloth.triangle_count > 0) {
         bool edges = solver->def.edge_edge != 0;

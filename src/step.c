@@ -132,7 +132,8 @@ static uint64_t guard_obstacles(Substep *substep)
     uint64_t corrected = 0;
     for (uint32_t o = 0; solver->def.vertex_face && o < model->obstacle_count; o++) {
         PercalePair pair = pair_of(substep, o);
-        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted};
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, model->predicted,
+                                 solver->proximities[o].convex.normals};
         PercaleGuardStage stage = {&pair,
                                    &solver->proximities[o],
                                    &at_end,

@@ -46,7 +46,7 @@ static bool find_active(Substep *substep, uint32_t o)
     PercaleModel *model = &solver->model;
     PercaleProximity *proximity = &solver->proximities[o];
     PercalePair pair = pair_of(substep, o);
-    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position};
+    PercaleSurface at_start = {pair.obstacle, &proximity->tree, model->position, proximity->convex.normals};
     PercaleSelectionCounts counts = percale_proximity_select(proximity, &pair, &at_start, substep->team);
     solver->counters.detections += counts.searches;
     solver->counters.detections_skipped += model->slot_count - counts.searches;
@@ -84,7 +84,8 @@ static bool cast_paths(Substep *substep, uint32_t o)
         return true;
     }
     PercalePair pair = pair_of(substep, o);
-    PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted};
+    PercaleSurface at_end = {pair.obstacle, &proximity->tree, solver->model.predicted,
+                             proximity->convex.normals};
     PercalePathStage stage = {&pair, proximity, &at_end, &solver->frames[o], solver->rays, o, substep->team};
     solver->crossings[o] =
         percale_arena_new(&solver->arena, proximity->active_count, sizeof(PercaleCrossing));
@@ -298,7 +299,8 @@ PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
     solver->stencils.count = pass ? 0 : solver->pass_stencil_count;
     for (uint32_t o = 0; complete && solver->def.vertex_face && o < solver->model.obstacle_count; o++) {
         PercalePair pair = pair_of(substep, o);
-        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted};
+        PercaleSurface at_end = {pair.obstacle, &solver->proximities[o].tree, solver->model.predicted,
+                                 solver->proximities[o].convex.normals};
         PercaleContactStage stage = {
             &pair,       &solver->proximities[o], &at_end,      solver->crossings[o], !pass,
             substep->dt, (uint64_t)o << 32,       substep->team};

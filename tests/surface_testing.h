@@ -83,7 +83,7 @@ static inline void open_scene(Scene *scene, PercaleMesh mesh)
     const PercaleModelSurface *obstacle = &scene->model.obstacles[1];
     ck_assert(percale_tree_build(&scene->tree, obstacle->triangles, 3, obstacle->triangle_count,
                                  scene->points, &scene->memory));
-    scene->surface = (PercaleSurface){obstacle, &scene->tree, scene->points};
+    scene->surface = (PercaleSurface){obstacle, &scene->tree, scene->points, NULL};
     refit(scene, 1);
 }
 

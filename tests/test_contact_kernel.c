@@ -28,7 +28,7 @@ static void open_contact(Contact *contact, uint64_t *seed, const double b[3], do
     *contact = (Contact){.obstacle = {.vertex_count = 3, .triangle_count = 1, .thickness = 0.002f},
                          .triangles = {1, 2, 3}};
     contact->obstacle.triangles = contact->triangles;
-    contact->surface = (PercaleSurface){&contact->obstacle, NULL, contact->x};
+    contact->surface = (PercaleSurface){&contact->obstacle, NULL, contact->x, NULL};
     Vec3 corner[3];
     Vec3 normal;
     do {

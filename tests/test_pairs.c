@@ -209,7 +209,7 @@ static bool are_edges_crossed(const PercaleModel *model, const uint32_t *a, cons
 static void list_features(const PercaleModel *model, uint32_t vertex, uint32_t t, double reach, Found *found,
                           PairList *list)
 {
-    PercaleSurface surface = {&model->cloth, NULL, model->predicted};
+    PercaleSurface surface = {&model->cloth, NULL, model->predicted, NULL};
     const uint32_t *corners = model->triangles[t];
     PercaleClosest closest[CLOSEST_MOST];
     int count = closest_of(model, vertex, corners, closest);

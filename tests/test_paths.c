@@ -182,7 +182,7 @@ static void count_leaks(PercaleSolver *solver, Tally *tally)
 {
     PERCALE_TEST_OK(solver, percale_solver_validate(solver)); // assembles the model
     const PercaleModel *model = &solver->model;
-    PercaleSurface surface = {&model->obstacles[0], &solver->proximities[0].tree, model->position};
+    PercaleSurface surface = {&model->obstacles[0], &solver->proximities[0].tree, model->position, NULL};
     f32x4 *to = malloc(model->slot_count * sizeof(f32x4));
     uint8_t *flags = malloc(model->slot_count);
     ck_assert_ptr_nonnull(to);

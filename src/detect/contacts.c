@@ -27,6 +27,7 @@ typedef struct Visitor {
     float target;  // m; distance to keep
     float reach;   // m
     bool in_front; // it came from the surface's outer side
+    uint32_t only; // triangle that alone is near, NO_TRIANGLE: that isn't known
 } Visitor;
 
 static bool has_crossed(const PercaleContactStage *stage, uint32_t index)
@@ -42,8 +43,12 @@ static Visitor visit(const PercaleContactStage *stage, uint32_t index)
     float motion = length3(model->predicted[slot] - model->position[slot]) + stage->proximity->motion;
     float distance = (float)stage->proximity->side[slot] * stage->proximity->clearance[slot];
     float risen = distance + EXIT_SPEED * stage->dt;
-    Visitor visitor = {slot, vec3_of(model->predicted[slot]), risen < thickness ? risen : thickness,
-                       pair_reach(stage->pair, slot, motion), stage->proximity->side[slot] > 0};
+    Visitor visitor = {slot,
+                       vec3_of(model->predicted[slot]),
+                       risen < thickness ? risen : thickness,
+                       pair_reach(stage->pair, slot, motion),
+                       stage->proximity->side[slot] > 0,
+                       NO_TRIANGLE};
     if (has_crossed(stage, index)) {
         const PercaleCrossing *crossing = &stage->crossings[index];
         Vec3 normal = percale_surface_face_normal(stage->surface, crossing->triangle);
@@ -93,6 +98,10 @@ static PercaleNearest nearest_of(const PercaleContactStage *stage, const Visitor
         double motion = vlength(vsub(visitor->point, vec3_of(stage->pair->model->position[visitor->slot]))) +
                         (double)stage->proximity->motion;
         double radius = (double)stage->proximity->clearance[visitor->slot] + motion;
+        if (visitor->only != NO_TRIANGLE) {
+            return percale_surface_nearest_of(stage->surface, visitor->point, radius * (1.0 + 1e-6),
+                                              &visitor->only, 1);
+        }
         return percale_surface_nearest(stage->surface, visitor->point, radius * (1.0 + 1e-6),
                                        stage->proximity->nearest[visitor->slot]);
     }
@@ -145,12 +154,18 @@ static void remember(const PercaleContactStage *stage, uint32_t index, const Per
 }
 
 /// All features within the visitor's reach. False without memory.
-static bool gather(const PercaleContactStage *stage, uint32_t index, const Visitor *visitor,
+static bool gather(const PercaleContactStage *stage, uint32_t index, Visitor *visitor,
                    PercaleCollector *collector)
 {
     if (has_crossed(stage, index) || stage->pair->is_found_anew) { // the former: from where it isn't
         return percale_surface_gather(stage->surface, visitor->point, (double)visitor->reach,
                                       &collector->memory, &collector->features);
+    }
+    visitor->only = percale_convex_face(&stage->proximity->convex, stage->surface, visitor->point,
+                                        (double)visitor->reach, stage->proximity->nearest[visitor->slot]);
+    if (visitor->only != NO_TRIANGLE) {
+        return percale_surface_gather_of(stage->surface, visitor->point, (double)visitor->reach,
+                                         &visitor->only, 1, &collector->memory, &collector->features);
     }
     PercaleNearbyLists *nearby = &stage->proximity->nearby;
     PercaleNearbyQuery query = {stage->surface, stage->proximity->traveled, visitor->point,
@@ -199,8 +214,14 @@ static void add_contacts(const PercaleContactStage *stage, uint32_t index, Perca
 
 static void find_range(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
+    enum { AHEAD = 8 };
     const PercaleContactStage *stage = context;
+    const PercaleProximity *proximity = stage->proximity;
     for (uint64_t i = first; collector->complete && i < end; i++) {
+        if (i + AHEAD < end) {
+            percale_convex_prefetch(&proximity->convex, stage->surface->mesh,
+                                    proximity->nearest[proximity->active[i + AHEAD]]);
+        }
         if (!stage->crossings_only || has_crossed(stage, (uint32_t)i)) {
             collector->source = stage->source | stage->proximity->active[i];
             add_contacts(stage, (uint32_t)i, collector);

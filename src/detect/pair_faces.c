@@ -228,7 +228,7 @@ static double nearest_start(const PercalePairStage *stage, uint32_t vertex, cons
 static void add_features(const PercalePairStage *stage, PercaleCollector *collector, uint32_t vertex,
                          bool vertices_only)
 {
-    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end};
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end, NULL};
     PercaleFeatureList *list = &collector->features;
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {
@@ -366,7 +366,7 @@ static void add_obstacle_rim(const PercalePairStage *stage, PercaleCollector *co
 static void add_obstacle_rims(const PercalePairStage *stage, PercaleCollector *collector,
                               const ObstacleVertex *vertex)
 {
-    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end};
+    PercaleSurface cloth = {&stage->model->cloth, &stage->candidates->faces, stage->end, NULL};
     PercaleFeatureList *list = &collector->features;
     percale_surface_sort(&cloth, list);
     for (size_t first = 0, end; first < list->count; first = end) {

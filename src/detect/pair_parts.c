@@ -68,7 +68,7 @@ float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
                           const uint32_t *faces, uint32_t count, uint32_t divisor)
 {
-    PercaleSurface surface = {obstacle, NULL, stage->end};
+    PercaleSurface surface = {obstacle, NULL, stage->end, NULL};
     Vec3 sum = {0.0, 0.0, 0.0};
     for (uint32_t i = 0; i < count; i++) {
         sum = vadd(sum, percale_surface_face_normal(&surface, faces[i] / divisor));

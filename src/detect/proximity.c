@@ -15,6 +15,10 @@ static const float LOOKAHEAD_SUBSTEPS = 8.0f;
 // be wrong by twice the obstacle's motion.
 static const float PATH_ROOM = 2.0f;
 
+// Thicknesses within which a surface is looked at around each triangle: twice as many as a vertex at rest
+// reaches.
+static const double CONVEX = 8.0;
+
 static const float FARTHEST = 1e8f; // m; more than any two points of a scene are apart
 
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
@@ -42,8 +46,18 @@ bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *m
     return true;
 }
 
+bool percale_proximity_begin(PercaleProximity *proximity, const PercaleModel *model,
+                             const PercaleModelSurface *obstacle, PercaleMemory *memory)
+{
+    PercaleSurface surface = {obstacle, &proximity->tree, model->position, NULL};
+    percale_tree_refit(&proximity->tree, obstacle->triangles, model->position, percale_team_alone());
+    double thickest = 0.5 * (double)(thickest_cloth(model) + obstacle->thickness);
+    return !obstacle->still || percale_convex_find(&proximity->convex, &surface, CONVEX * thickest, memory);
+}
+
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory)
 {
+    percale_convex_free(&proximity->convex, memory);
     percale_tree_free(&proximity->tree, memory);
     percale_tree_free(&proximity->swept, memory);
     percale_memory_free(memory, proximity->clearance);
@@ -105,6 +119,18 @@ static Answer doubt_bound(PercaleProximity *proximity, const PercalePair *pair, 
     return ACTIVE_MISSED;
 }
 
+/// Its nearest triangle, where that is the only one near.
+static bool find_convex(const PercaleProximity *proximity, uint32_t slot, const PercaleNearbyQuery *query,
+                        PercaleNearest *nearest)
+{
+    uint32_t face =
+        percale_convex_face(&proximity->convex, query->surface, query->point, 0.0, proximity->nearest[slot]);
+    if (face != NO_TRIANGLE) {
+        *nearest = percale_surface_nearest_of(query->surface, query->point, query->radius, &face, 1);
+    }
+    return face != NO_TRIANGLE;
+}
+
 /// Whether the slot can touch the obstacle in this substep; computes its distance when the bound doesn't
 /// tell.
 static Answer examine(PercaleProximity *proximity, const PercalePair *pair, const PercaleSurface *surface,
@@ -137,7 +163,8 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     PercaleNearbyQuery query = {surface, proximity->traveled - (double)proximity->motion, point,
                                 (double)radius};
     PercaleNearest nearest;
-    if (pair->is_found_anew || !percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest)) {
+    if (pair->is_found_anew || (!find_convex(proximity, slot, &query, &nearest) &&
+                                !percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest))) {
         nearest = percale_surface_nearest(surface, point, query.radius, proximity->nearest[slot]);
     }
     proximity->clearance[slot] = (float)sqrt(nearest.closest.distance2);

@@ -13,6 +13,7 @@
 #ifndef PERCALE_PROXIMITY_H
 #define PERCALE_PROXIMITY_H
 
+#include "detect/convex.h"
 #include "detect/nearby.h"
 
 /// A side: outside for certain, though clearance is only a bound. Enough where no contacts are made.
@@ -38,6 +39,7 @@ typedef struct PercaleProximity {
     uint32_t *active;   // [active_count] the same as a list of slots, ascending
     uint32_t active_count;
     PercaleNearbyLists nearby;
+    PercaleConvex convex;       // of an obstacle that stands still
     PercaleSighting *sightings; // [active_count] of this substep, in the step's arena
     float motion;               // m; the farthest that one of the obstacle's vertices moves in this substep
     double traveled;            // m; sum of the motions, this substep's too
@@ -58,6 +60,9 @@ typedef struct PercalePair {
 /// `exact`: with a swept tree.
 bool percale_proximity_create(PercaleProximity *proximity, const PercaleModel *model,
                               const PercaleModelSurface *obstacle, bool exact, PercaleMemory *memory);
+/// Looks over the obstacle at its start. False without memory.
+bool percale_proximity_begin(PercaleProximity *proximity, const PercaleModel *model,
+                             const PercaleModelSurface *obstacle, PercaleMemory *memory);
 void percale_proximity_free(PercaleProximity *proximity, PercaleMemory *memory);
 
 typedef struct PercaleSelectionCounts {

@@ -29,8 +29,25 @@ typedef struct Four {
     PercaleFourClosest closest;
 } Four;
 
+/// The same for the first alone.
+static void ask_one(const PercaleSurface *surface, Vec3 point, Four *four)
+{
+    Vec3 c[3];
+    corners_of(surface, four->triangles[0], c);
+    PercaleClosest closest = percale_closest_on_triangle(point, c[0], c[1], c[2]);
+    four->closest.distance2[0] = closest.distance2;
+    four->closest.region[0] = (int64_t)closest.region;
+    for (int k = 0; k < 3; k++) {
+        four->closest.weights[k][0] = closest.weights[k];
+    }
+}
+
 static void ask_four(const PercaleSurface *surface, Vec3 point, Four *four)
 {
+    if (four->count == 1) {
+        ask_one(surface, point, four);
+        return;
+    }
     f32x4 corners[3][CLOSEST_FOUR];
     for (uint32_t i = 0; i < CLOSEST_FOUR; i++) {
         uint32_t triangle = four->triangles[i < four->count ? i : 0];
@@ -313,7 +330,7 @@ static Vec3 area_normal(const PercaleSurface *surface, uint32_t triangle)
 
 Vec3 percale_surface_face_normal(const PercaleSurface *surface, uint32_t triangle)
 {
-    return vunit(area_normal(surface, triangle));
+    return surface->normals != NULL ? surface->normals[triangle] : vunit(area_normal(surface, triangle));
 }
 
 /// Interior angle of a triangle at its corner, rad. acos would do; atan2 keeps its digits for thin triangles.

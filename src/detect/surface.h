@@ -22,6 +22,7 @@ typedef struct PercaleSurface {
     const PercaleModelSurface *mesh;
     const PercaleTree *tree; // boxes of this pose
     const f32x4 *points;     // all points of the solver, at this pose
+    const Vec3 *normals;     // [triangle_count] of the faces, unit, at this pose; NULL: not kept
 } PercaleSurface;
 
 typedef struct PercaleNearest {

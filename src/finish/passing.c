@@ -79,7 +79,7 @@ static void add_push(PercaleCollector *collector, const uint32_t points[4], cons
 static Vec3 outward_of(const PercalePassing *passing, uint32_t item)
 {
     const PercaleModelSurface *mesh = passing->mesh;
-    PercaleSurface surface = {mesh, NULL, passing->stage->model->predicted};
+    PercaleSurface surface = {mesh, NULL, passing->stage->model->predicted, NULL};
     if (passing->of_edges) {
         uint32_t side = mesh->edges.sides[mesh->edges.first_side[item]];
         return percale_surface_normal(&surface, side / 3, (PercaleRegion)(REGION_SIDE_0 + side % 3));

@@ -59,7 +59,7 @@ static void stop_before(const PercalePathGuardStage *stage, uint32_t slot, const
 {
     PercaleModel *model = stage->model;
     PercalePair pair = pair_with(stage, touch->obstacle);
-    PercaleSurface at_end = {pair.obstacle, NULL, model->predicted};
+    PercaleSurface at_end = {pair.obstacle, NULL, model->predicted, NULL};
     const PercaleCrossing *crossing = &touch->crossing;
     Vec3 normal = percale_surface_face_normal(&at_end, crossing->triangle);
     Vec3 carried = percale_path_start(&pair, &stage->frames[touch->obstacle], slot, crossing->triangle);

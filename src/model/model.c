@@ -416,7 +416,8 @@ static bool build_obstacle(PercaleModelSurface *obstacle, const PercaleObstacleO
                                       .thickness = object->thickness,
                                       .friction = object->friction,
                                       .mask = object->mask,
-                                      .rigid = object->motion != MOTION_DEFORMING};
+                                      .rigid = object->motion != MOTION_DEFORMING,
+                                      .still = object->motion == MOTION_STATIC};
     obstacle->triangles = percale_memory_new(memory, 3 * (size_t)object->triangle_count, sizeof(uint32_t));
     if (obstacle->triangles == NULL ||
         !percale_edges_build(object->triangles, object->triangle_count, memory, &obstacle->edges) ||

@@ -34,7 +34,7 @@ typedef struct PercaleModelSurface {
     uint32_t *vertex_first_face; // [vertex_count + 1] into vertex_faces
     uint32_t *vertex_faces;      // [3 * triangle_count] triangles around a vertex, ascending
     bool closed;                 // every edge has two triangles that run along it in opposite directions
-    bool rigid;                  // an obstacle that keeps its shape
+    bool rigid, still;           // an obstacle that keeps its shape, and its place, too
     uint8_t *smooth_edges;       // [edges] of an obstacle, 1: two faces that turn by little, as added
     uint8_t *smooth_vertices;    // [vertex_count] of an obstacle, 1: all its edges are smooth
     float thickness, friction;
