@@ -122,7 +122,7 @@ static bool follow_feet(const PercalePinchStage *stage, PercalePinch *pinch, Vec
         double radius = vlength(vsub(point, place_of(foot, model->predicted))) * (1.0 + 1e-6) + 1e-9;
         FootSearch search = {
             .surface = {&model->obstacles[foot->obstacle], &stage->proximities[foot->obstacle].tree,
-                        model->predicted},
+                        model->predicted, NULL},
             .point = point,
             .direction = vscale(k == 0 ? 1.0 : -1.0, pinch->across),
             .nearest2 = radius * radius,

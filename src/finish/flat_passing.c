@@ -79,40 +79,48 @@ static bool name_vertex(const Search *search, uint32_t corner, uint32_t *item, u
            mesh->vertex_faces[mesh->vertex_first_face[*item]] == corner / 3;
 }
 
-static void ask_triangle(const Search *search, PercaleCollector *collector, uint32_t triangle, Box box,
-                         PercaleFeaturePair *pair, bool of_edges)
+/// A feature of the cloth and the box of its way.
+typedef struct Feature {
+    uint32_t primitive;
+    const uint32_t *corners;
+    bool is_edge;
+    Box box;
+} Feature;
+
+static void ask_triangle(const Search *search, PercaleCollector *collector, uint32_t triangle,
+                         const Feature *feature)
 {
-    uint32_t points[2];
-    pair->points = points;
     for (uint32_t side = 3 * triangle; side < 3 * triangle + 3; side++) {
-        bool named = of_edges ? name_edge(search, side, &pair->item, points)
-                              : name_vertex(search, side, &pair->item, points);
-        if (named && do_overlap(box_of(search->stage->model, points, 2), box)) {
+        uint32_t points[2];
+        PercaleFeaturePair pair = {0, feature->primitive, points, feature->corners};
+        bool named = feature->is_edge ? name_edge(search, side, &pair.item, points)
+                                      : name_vertex(search, side, &pair.item, points);
+        if (named && do_overlap(box_of(search->stage->model, points, 2), feature->box)) {
             collector->candidates++;
-            percale_passing_ask(of_edges ? &search->edges : &search->faces, collector, pair);
+            percale_passing_ask(feature->is_edge ? &search->edges : &search->faces, collector, &pair);
         }
     }
 }
 
 /// A face or an edge of the cloth against all that its way comes near.
 static void ask_feature(const Search *search, PercaleCollector *collector, uint32_t primitive,
-                        const uint32_t *corners, bool of_edges)
+                        const uint32_t *corners, bool is_edge)
 {
     const PercaleTree *tree = &search->proximity->tree;
-    Box box = box_of(search->stage->model, corners, of_edges ? 2 : 3);
-    f32x4 wider = max4(-box.low, box.high) * 1e-6f + search->proximity->motion; // the tree is at the end
-    PercaleFeaturePair pair = {.primitive = primitive, .corners = corners};
-    if (!percale_tree_overlap(tree, box.low - wider, box.high + wider, &collector->memory,
-                              &collector->nodes)) {
+    Feature feature = {primitive, corners, is_edge, box_of(search->stage->model, corners, is_edge ? 2 : 3)};
+    f32x4 low = feature.box.low;
+    f32x4 high = feature.box.high;
+    f32x4 wider = max4(-low, high) * 1e-6f + search->proximity->motion; // the tree is at the end
+    if (!percale_tree_overlap(tree, low - wider, high + wider, &collector->memory, &collector->nodes)) {
         collector->complete = false;
         return;
     }
     for (size_t i = 0; i < collector->nodes.count; i++) {
         uint32_t node = collector->nodes.items[i];
-        uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], box.low - wider, box.high + wider));
+        uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], low - wider, high + wider));
         for (; bits != 0; bits &= bits - 1) {
             uint32_t triangle = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
-            ask_triangle(search, collector, triangle, box, &pair, of_edges);
+            ask_triangle(search, collector, triangle, &feature);
         }
     }
 }
