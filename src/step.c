@@ -335,6 +335,9 @@ void percale_run_substeps(PercaleTeam *team, void *context)
     PercaleSubsteps *substeps = context;
     PercaleSolver *solver = substeps->solver;
     int count = solver->def.substeps;
+    if (solver->candidates.lists != NULL) {
+        percale_candidates_begin_step(&solver->candidates, team);
+    }
     while (substeps->result == PERCALE_OK && substeps->good < count) {
         Substep substep = {solver,
                            team,

@@ -1,5 +1,6 @@
 #include "detect/candidates.h"
 
+#include "base/reduce.h"
 #include "base/wide.h"
 #include "detect/candidate_search.h"
 
@@ -10,6 +11,35 @@ static const float ANCHORED = 0.125f;
 // Of the farthest bound, what adding and comparing bounds rounds away, and the distances' own rounding: they
 // are computed from edges as long as a few of it.
 static const float BOUND_ROUNDED = 1e-5f;
+
+// ---- begin ----
+
+/// What the chunks share.
+typedef struct Lengths {
+    const PercaleModel *model;
+    ReducedUint longest2; // m^2
+} Lengths;
+
+static void measure_lengths(void *context, uint32_t first, uint32_t end)
+{
+    Lengths *lengths = context;
+    const f32x4 *x = lengths->model->position;
+    float longest2 = 0.0f;
+    for (uint32_t e = first; e < end; e++) {
+        const uint32_t *ends = lengths->model->cloth.edges.vertices[e];
+        f32x4 along = x[ends[1]] - x[ends[0]];
+        longest2 = fmaxf(longest2, dot3(along, along));
+    }
+    reduce_max_float(&lengths->longest2, longest2);
+}
+
+void percale_candidates_begin_step(PercaleCandidates *candidates, PercaleTeam *team)
+{
+    enum { GRAIN_EDGES = 4096 };
+    Lengths lengths = {candidates->model, 0};
+    percale_team_for(team, candidates->model->cloth.edges.edge_count, GRAIN_EDGES, measure_lengths, &lengths);
+    candidates->longest = sqrtf(reduced_float(&lengths.longest2));
+}
 
 // ---- keep ----
 

@@ -61,6 +61,7 @@ typedef struct PercaleCandidates {
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
     PercaleFlat *flats;      // [obstacle_count] whose items are in no list
+    float longest;           // m; edge of the cloth when the running step began
     float margin;            // m, beyond the reach
     float thickest;          // cloth, m
     PercaleBlockReach reach; // the widest of any pair, and with the margin, which bounds don't exceed
@@ -74,6 +75,9 @@ typedef struct PercaleCandidates {
 bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel *model, bool cloth,
                                bool edges, bool obstacles, PercaleMemory *memory);
 void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory);
+
+/// At the begin of a step: how long the cloth's edges are.
+void percale_candidates_begin_step(PercaleCandidates *candidates, PercaleTeam *team);
 
 /// What candidates are needed for, and what is needed to find them.
 typedef struct PercaleCandidateStage {

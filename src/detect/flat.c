@@ -8,16 +8,19 @@ enum { MOST_FACES = 256 };
 // Lengths below which an edge between two flat vertices is as flat as these.
 static const double SHORT = 0.5;
 
-// Drops below which vertices don't keep the rest away: edges may be longer than at rest.
+// Of the farthest that a flat place falls off, below which vertices don't keep the rest away from it; and of
+// the drop, at least so much of it.
 static const double LOW = 3.0;
+static const double LEAST_LOW = 0.3;
 
 /// What is looked at around one point after the other.
 typedef struct Walk {
     const PercaleModelSurface *surface;
     const f32x4 *x;
     double length, drop; // m
-    uint32_t *seen; // [triangle_count] since the first of all points the how manieth, when last looked at
-    uint32_t first; // faces of earlier points
+    double fall;         // m, by which it falls off within half the length, a quarter of that beyond it
+    uint64_t *seen; // [triangle_count] since the first of all points the how manieth, when last looked at
+    uint64_t first; // faces of earlier points
     uint32_t faces[MOST_FACES];
     uint32_t count;
     bool told; // there is room for all faces
@@ -54,8 +57,8 @@ typedef struct Point {
     Vec3 place, normal;
 } Point;
 
-/// Whether what lies on an edge, within the length of the point, falls off by little. `near`: some does.
-static bool falls_little(const Walk *walk, uint32_t edge, const Point *point, bool *near)
+/// How far what lies on an edge, within the length of the point, falls off. `near`: some does.
+static double fall_of(const Walk *walk, uint32_t edge, const Point *point, bool *near)
 {
     enum { SAMPLES = 4 };
     const uint32_t *ends = walk->surface->edges.vertices[edge];
@@ -69,13 +72,13 @@ static bool falls_little(const Walk *walk, uint32_t edge, const Point *point, bo
     double low = fmax(middle - half, 0.0);
     double high = fmin(middle + half, 1.0);
     *near = half2 > 0.0 && low < high;
-    bool little = along2 > 0.0;
-    for (int i = 0; little && *near && i <= SAMPLES; i++) {
+    double fall = along2 > 0.0 ? 0.0 : HUGE_VAL;
+    for (int i = 0; *near && i <= SAMPLES; i++) {
         Vec3 place = vadd(start, vscale(low + (high - low) * i / SAMPLES, along));
         double halves2 = 4.0 * vdot(place, place) / (walk->length * walk->length);
-        little = -vdot(place, point->normal) <= walk->drop * fmax(1.0, halves2);
+        fall = fmax(fall, -vdot(place, point->normal) / fmax(1.0, halves2));
     }
-    return little;
+    return fall;
 }
 
 /// Whether a side of the i-th face is no rim and falls off by little; the face beyond it is added if it is
@@ -94,13 +97,11 @@ static bool is_flat_side(Walk *walk, uint32_t i, uint32_t side, const Point *poi
         return true; // as seen from there
     }
     bool near = false;
-    if (!falls_little(walk, edge, point, &near)) {
-        return false;
-    }
+    walk->fall = fmax(walk->fall, fall_of(walk, edge, point, &near));
     if (near && count == 2) {
         add_face(walk, beyond);
     }
-    return !near || count == 2;
+    return walk->fall <= walk->drop && (!near || count == 2);
 }
 
 /// Whether the surface around a place, from the faces on that have been added, falls off by little and has no
@@ -127,6 +128,7 @@ static void begin_walk(Walk *walk)
     walk->first += walk->count;
     walk->count = 0;
     walk->told = true;
+    walk->fall = 0.0;
 }
 
 static bool is_flat_vertex(Walk *walk, uint32_t vertex)
@@ -159,19 +161,23 @@ bool percale_flat_find(const PercaleModelSurface *surface, const f32x4 *x, doubl
                        PercaleFlat *flat, PercaleMemory *memory)
 {
     uint32_t edge_count = surface->edges.edge_count;
-    flat->low = (float)(LOW * drop);
+    double farthest = LEAST_LOW * drop;
     Walk walk = {.surface = surface, .x = x, .length = length, .drop = drop};
-    walk.seen = percale_memory_new(memory, surface->triangle_count, sizeof(uint32_t));
+    walk.seen = percale_memory_new(memory, surface->triangle_count, sizeof(walk.seen[0]));
     flat->vertices = percale_memory_new(memory, surface->vertex_count, 1);
     flat->edges = percale_memory_new(memory, edge_count, 1);
     bool complete = walk.seen != NULL && flat->vertices != NULL && flat->edges != NULL;
     for (uint32_t v = 0; complete && v < surface->vertex_count; v++) {
         flat->vertices[v] = is_flat_vertex(&walk, v);
+        farthest = fmax(farthest, flat->vertices[v] ? walk.fall : 0.0);
     }
     for (uint32_t e = 0; complete && e < edge_count; e++) {
         const uint32_t *ends = surface->edges.vertices[e];
         flat->edges[e] = flat->vertices[ends[0]] && flat->vertices[ends[1]] && is_flat_edge(&walk, e);
+        farthest = fmax(farthest, flat->edges[e] ? walk.fall : 0.0);
     }
+    flat->low = (float)(LOW * farthest);
+    flat->length = (float)length;
     percale_memory_free(memory, walk.seen);
     return complete;
 }

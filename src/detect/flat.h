@@ -17,6 +17,7 @@ typedef struct PercaleFlat {
     uint8_t *vertices; // [vertex_count] 1: flat
     uint8_t *edges;    // [edge_count] 1: flat
     float low;         // m; what has all its corners farther away than this is kept away
+    float length;      // m; if it is no longer than this; else as often as far as it is as long, squared
 } PercaleFlat;
 
 /// length: m, of the cloth's edges. drop: m, by which they may go deeper than their vertices. False without

@@ -9,14 +9,22 @@ typedef struct Search {
     const PercaleFlat *flat;
     const PercaleProximity *proximity;
     const uint8_t *touched;
+    float low;                   // m; for the longest edge of the cloth
     PercalePassing faces, edges; // the obstacle's vertices against faces, edges against edges
 } Search;
 
-/// Whether a vertex has come so near that it doesn't keep the rest away.
+/// Below which distance from the obstacle vertices don't keep what is between them away, m.
+static float low_of(const PercaleFlat *flat, float length)
+{
+    float times = length / flat->length;
+    return flat->low * fmaxf(1.0f, times * times);
+}
+
+/// Whether a vertex has come so near that it may not keep the rest away.
 static bool is_low(const Search *search, uint32_t slot)
 {
     const PercaleModel *model = search->stage->model;
-    return search->proximity->clearance[slot] < search->flat->low &&
+    return search->proximity->clearance[slot] < search->low &&
            (model->cloths[model->cloth_of[slot]].mask & search->edges.mesh->mask) != 0;
 }
 
@@ -102,6 +110,19 @@ static void ask_triangle(const Search *search, PercaleCollector *collector, uint
     }
 }
 
+/// Whether a face or an edge of the cloth isn't kept away by its corners.
+static bool is_free(const Search *search, const uint32_t *corners, uint32_t count)
+{
+    const f32x4 *x = search->stage->model->predicted;
+    float nearest = INFINITY;
+    float longest = 0.0f;
+    for (uint32_t k = 0; k < count; k++) {
+        nearest = fminf(nearest, search->proximity->clearance[corners[k]]);
+        longest = fmaxf(longest, length3(x[corners[k]] - x[corners[k == 0 ? count - 1 : k - 1]]));
+    }
+    return nearest < low_of(search->flat, longest);
+}
+
 /// A face or an edge of the cloth against all that its way comes near.
 static void ask_feature(const Search *search, PercaleCollector *collector, uint32_t primitive,
                         const uint32_t *corners, bool is_edge)
@@ -141,7 +162,8 @@ static void ask_around(const Search *search, PercaleCollector *collector, uint32
     for (uint32_t i = cloth->vertex_first_face[slot]; i < cloth->vertex_first_face[slot + 1]; i++) {
         uint32_t face = cloth->vertex_faces[i];
         const uint32_t *corners = cloth->triangles + 3 * (size_t)face;
-        if (is_touched(search, corners, 3) && is_first_low(search, slot, corners, 3)) {
+        if (is_touched(search, corners, 3) && is_first_low(search, slot, corners, 3) &&
+            is_free(search, corners, 3)) {
             ask_feature(search, collector, face, corners, false);
         }
         for (uint32_t side = 3 * face; side < 3 * face + 3; side++) {
@@ -151,7 +173,7 @@ static void ask_around(const Search *search, PercaleCollector *collector, uint32
             }
             const uint32_t *ends = cloth->edges.vertices[edge];
             if ((ends[0] == slot || ends[1] == slot) && is_touched(search, ends, 2) &&
-                is_first_low(search, slot, ends, 2)) {
+                is_first_low(search, slot, ends, 2) && is_free(search, ends, 2)) {
                 ask_feature(search, collector, edge, ends, true);
             }
         }
@@ -164,7 +186,7 @@ static void find_low(const void *context, PercaleCollector *collector, uint64_t 
     const float *clearance = search->proximity->clearance;
     for (uint64_t slot = first; slot < end; slot++) {
         bool eight = slot + WIDE <= end;
-        if (eight && lane_bits(greater8(all8(search->flat->low), load8(clearance + slot))) == 0) {
+        if (eight && lane_bits(greater8(all8(search->low), load8(clearance + slot))) == 0) {
             slot += WIDE - 1;
         } else if (is_low(search, (uint32_t)slot)) {
             ask_around(search, collector, (uint32_t)slot);
@@ -181,6 +203,7 @@ bool percale_flat_passages_find(const PercalePairGuardStage *stage, uint32_t obs
                      flat,
                      &stage->proximities[obstacle],
                      touched,
+                     low_of(flat, stage->candidates->longest),
                      {stage, mesh, false, reach},
                      {stage, mesh, true, reach}};
     PercaleCollected to = {.stencils = stage->passing};
