@@ -78,6 +78,14 @@ static double depth_below(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
     return cross ? (c.y + t * (d.y - c.y)) - (a.y + s * (b.y - a.y)) : -HUGE_VAL;
 }
 
+/// The deepest that anything goes below what isn't flat, and below what is.
+static void expect_depths(const double deepest[2])
+{
+    ck_assert_msg(deepest[1] <= MOST * DROP, "%g below what is flat", deepest[1]);
+    ck_assert_msg(deepest[1] > 0.3 * DROP, "%g", deepest[1]);
+    ck_assert_msg(deepest[0] > MOST * DROP, "%g below others", deepest[0]);
+}
+
 /// A segment between places of the surface goes below a flat edge by no more than is said, and below others
 /// by more.
 START_TEST(an_edge_between_places_of_the_surface_stays_near_what_is_flat)
@@ -106,9 +114,7 @@ START_TEST(an_edge_between_places_of_the_surface_stays_near_what_is_flat)
             deepest[flat.edges[e]] = fmax(deepest[flat.edges[e]], depth);
         }
     }
-    ck_assert_msg(deepest[1] <= MOST * DROP, "%g below what is flat", deepest[1]);
-    ck_assert_msg(deepest[1] > 0.3 * DROP, "%g", deepest[1]);
-    ck_assert_msg(deepest[0] > MOST * DROP, "%g below others", deepest[0]);
+    expect_depths(deepest);
     free_flat(&scene, &flat);
     close_scene(&scene);
 }
@@ -155,16 +161,13 @@ START_TEST(a_face_between_places_of_the_surface_stays_near_what_is_flat)
             }
         }
     }
-    ck_assert_msg(deepest[1] <= MOST * DROP, "%g below what is flat", deepest[1]);
-    ck_assert_msg(deepest[1] > 0.3 * DROP, "%g", deepest[1]);
-    ck_assert_msg(deepest[0] > MOST * DROP, "%g below others", deepest[0]);
+    expect_depths(deepest);
     free_flat(&scene, &flat);
     close_scene(&scene);
 }
 END_TEST
 
-/// On a plane all is flat but what is nearer than a length to its rim; a box has no flat edge but the
-/// diagonals of its sides, and no flat corner; a valley is flat, a ridge isn't.
+/// On a plane all is flat but what is nearer than a length to its rim; a valley is flat, a ridge isn't.
 START_TEST(rims_and_ridges_are_not_flat)
 {
     Scene scene;

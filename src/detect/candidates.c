@@ -37,6 +37,13 @@ void percale_candidates_begin_step(PercaleCandidates *candidates, PercaleTeam *t
 {
     enum { GRAIN_EDGES = 4096 };
     Lengths lengths = {candidates->model, 0};
+    bool any_flat = false;
+    for (uint32_t o = 0; o < candidates->model->obstacle_count; o++) {
+        any_flat = any_flat || candidates->flats[o].vertices != NULL;
+    }
+    if (!any_flat) {
+        return;
+    }
     percale_team_for(team, candidates->model->cloth.edges.edge_count, GRAIN_EDGES, measure_lengths, &lengths);
     candidates->longest = sqrtf(reduced_float(&lengths.longest2));
 }

@@ -76,7 +76,7 @@ bool percale_candidates_create(PercaleCandidates *candidates, const PercaleModel
                                bool edges, bool obstacles, PercaleMemory *memory);
 void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memory);
 
-/// At the begin of a step: how long the cloth's edges are.
+/// At the begin of a step: how long the cloth's edges are, where that is asked for.
 void percale_candidates_begin_step(PercaleCandidates *candidates, PercaleTeam *team);
 
 /// What candidates are needed for, and what is needed to find them.

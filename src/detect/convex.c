@@ -52,11 +52,10 @@ static double height_above(const Plane *plane, const Plane *other)
     return highest;
 }
 
-/// How far a point is inside of a side.
-static double inside_of(const Plane *plane, int side, Vec3 point)
+/// In the plane, across a side.
+static Vec3 inward_of(const Plane *plane, int side)
 {
-    Vec3 along = vsub(plane->corners[(side + 1) % 3], plane->corners[side]);
-    return vdot(vunit(vcross(plane->normal, along)), vsub(point, plane->corners[side]));
+    return vunit(vcross(plane->normal, vsub(plane->corners[(side + 1) % 3], plane->corners[side])));
 }
 
 /// Whether one lies wholly outside of a side of the other.
@@ -66,7 +65,8 @@ static bool is_beside(const Plane *plane, const Plane *other)
     for (int side = 0; side < 3 && !beside; side++) {
         beside = true;
         for (int k = 0; k < 3; k++) {
-            beside = beside && inside_of(plane, side, other->corners[k]) <= plane->slack;
+            Vec3 from_side = vsub(other->corners[k], plane->corners[side]);
+            beside = beside && vdot(inward_of(plane, side), from_side) <= plane->slack;
         }
     }
     return beside;
@@ -142,8 +142,7 @@ static PercaleConvexFace face_of(const Search *search, uint32_t triangle, bool i
     double margin = is_convex ? margin_of(search->convex, &plane) : -1.0;
     PercaleConvexFace face = {.normal = f32x4_of(plane.normal, (float)margin)};
     for (int side = 0; side < 3; side++) {
-        Vec3 along = vsub(plane.corners[(side + 1) % 3], plane.corners[side]);
-        Vec3 inward = vunit(vcross(plane.normal, along));
+        Vec3 inward = inward_of(&plane, side);
         double offset = vdot(inward, vsub(plane.corners[side], plane.corners[0]));
         face.sides[side] = f32x4_of(inward, (float)offset);
     }

@@ -19,8 +19,8 @@ typedef struct Walk {
     const f32x4 *x;
     double length, drop; // m
     double fall;         // m, by which it falls off within half the length, a quarter of that beyond it
-    uint64_t *seen; // [triangle_count] since the first of all points the how manieth, when last looked at
-    uint64_t first; // faces of earlier points
+    uint64_t *seen;      // [triangle_count] number, over all points, under which it was last looked at
+    uint64_t first;      // faces of earlier points
     uint32_t faces[MOST_FACES];
     uint32_t count;
     bool told; // there is room for all faces

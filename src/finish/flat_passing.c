@@ -199,6 +199,10 @@ bool percale_flat_passages_find(const PercalePairGuardStage *stage, uint32_t obs
 {
     const PercaleModelSurface *mesh = &stage->model->obstacles[obstacle];
     const PercaleFlat *flat = &stage->candidates->flats[obstacle];
+    stage->collectors->candidates = 0;
+    if (flat->vertices == NULL) {
+        return true;
+    }
     Search search = {stage,
                      flat,
                      &stage->proximities[obstacle],
@@ -207,7 +211,6 @@ bool percale_flat_passages_find(const PercalePairGuardStage *stage, uint32_t obs
                      {stage, mesh, false, reach},
                      {stage, mesh, true, reach}};
     PercaleCollected to = {.stencils = stage->passing};
-    stage->collectors->candidates = 0;
-    return flat->vertices == NULL || percale_collect(stage->team, stage->model->slot_count, find_low, &search,
-                                                     stage->collectors, stage->memory, &to);
+    return percale_collect(stage->team, stage->model->slot_count, find_low, &search, stage->collectors,
+                           stage->memory, &to);
 }
