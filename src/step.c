@@ -68,6 +68,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .candidates = &solver->candidates,
                                    .proximities = solver->proximities,
                                    .obstacles = solver->def.vertex_face != 0,
+                                   .measures = !substep->has_pass,
                                    .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
                                    .exact = solver->def.ccd == PERCALE_CCD_EXACT,
                                    .is_pinched = pinched_or_none(solver),

@@ -3,11 +3,14 @@
 #include "base/wide.h"
 #include "detect/flat.h"
 
+// Times the low distance within which a vertex is measured that may be low.
+static const double KNOWN = 4.0;
+
 /// What the chunks of a search share.
 typedef struct Search {
     const PercalePairGuardStage *stage;
     const PercaleFlat *flat;
-    const PercaleProximity *proximity;
+    PercaleProximity *proximity; // whose clearances become true ones
     const uint8_t *touched;
     float low;                   // m; for the longest edge of the cloth
     PercalePassing faces, edges; // the obstacle's vertices against faces, edges against edges
@@ -180,6 +183,35 @@ static void ask_around(const Search *search, PercaleCollector *collector, uint32
     }
 }
 
+/// Of a vertex in front of the obstacle that is known to be no farther away than a bound: its distance.
+static void measure(const Search *search, uint32_t slot)
+{
+    const double ROUNDING = 1e-6; // share of the distance
+    PercaleProximity *proximity = search->proximity;
+    const f32x4 *x = search->stage->model->predicted;
+    PercaleSurface surface = {search->edges.mesh, &proximity->tree, x, proximity->convex.normals};
+    Vec3 point = vec3_of(x[slot]);
+    uint32_t seed = proximity->nearest[slot];
+    uint32_t face = percale_convex_face(&proximity->convex, &surface, point, 0.0, seed);
+    PercaleNearest nearest =
+        face != NO_TRIANGLE ? percale_surface_nearest_of(&surface, point, HUGE_VAL, &face, 1)
+                            : percale_surface_nearest(&surface, point, KNOWN * (double)search->low, seed);
+    if (nearest.triangle != NO_TRIANGLE && percale_surface_side(&surface, point, &nearest) > 0) {
+        float distance = (float)(sqrt(nearest.closest.distance2) * (1.0 - ROUNDING));
+        proximity->clearance[slot] = fmaxf(proximity->clearance[slot], distance);
+    }
+}
+
+static void measure_range(void *context, uint32_t first, uint32_t end)
+{
+    const Search *search = context;
+    for (uint32_t slot = first; slot < end; slot++) {
+        if (is_low(search, slot)) {
+            measure(search, slot);
+        }
+    }
+}
+
 static void find_low(const void *context, PercaleCollector *collector, uint64_t first, uint64_t end)
 {
     const Search *search = context;
@@ -197,6 +229,7 @@ static void find_low(const void *context, PercaleCollector *collector, uint64_t 
 bool percale_flat_passages_find(const PercalePairGuardStage *stage, uint32_t obstacle, const uint8_t *touched,
                                 double reach)
 {
+    enum { GRAIN_SLOTS = 512 };
     const PercaleModelSurface *mesh = &stage->model->obstacles[obstacle];
     const PercaleFlat *flat = &stage->candidates->flats[obstacle];
     stage->collectors->candidates = 0;
@@ -211,6 +244,9 @@ bool percale_flat_passages_find(const PercalePairGuardStage *stage, uint32_t obs
                      {stage, mesh, false, reach},
                      {stage, mesh, true, reach}};
     PercaleCollected to = {.stencils = stage->passing};
+    if (stage->measures) {
+        percale_team_for(stage->team, stage->model->slot_count, GRAIN_SLOTS, measure_range, &search);
+    }
     return percale_collect(stage->team, stage->model->slot_count, find_low, &search, stage->collectors,
                            stage->memory, &to);
 }
