@@ -246,6 +246,7 @@ static void measure_range(void *context, uint32_t first, uint32_t end)
     const PercaleBlocks *blocks = measuring->blocks;
     for (uint32_t b = first; b < end; b++) {
         PercaleBlock *block = &blocks->items[b];
+        block->fresh = block->fresh && measuring->again;
         block->changed = !measuring->again || !stands(measuring, b);
         if (!block->changed) {
             block->drift = (f32x4){0};
@@ -310,7 +311,7 @@ static float moved_against(const PercaleBlocks *blocks, uint32_t a, uint32_t b)
     f32x4 then_a = blocks->moments[(size_t)a * BLOCK_MOMENTS + moment];
     f32x4 then_b = blocks->moments[(size_t)b * BLOCK_MOMENTS + moment];
     float most = 0.0f;
-    for (int place = 0; place < 2; place++) {
+    for (int place = blocks->remembered && blocks->items[a].fresh ? 1 : 0; place < 2; place++) {
         f32x4 way_a = blocks->items[a].centre[place] - then_a;
         f32x4 way_b = blocks->items[b].centre[place] - then_b;
         float spread =
@@ -447,6 +448,7 @@ static void begin_listed(void *context, uint32_t first, uint32_t end)
         uint32_t b = measuring->listed[i];
         set_anchors(measuring, b);
         blocks->items[b].moment = blocks->newest;
+        blocks->items[b].fresh = true;
     }
 }
 

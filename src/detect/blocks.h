@@ -3,6 +3,8 @@
 //   in   groups of points that lie together, the starts and the ends of their ways
 //   out  for each of them how far its points have moved against what is near them now, at most
 //
+// What was found for ways that start where these do was found for all of them: then only where they end counts.
+//
 // A block's motion is that of its centre and the greatest deviation from it, so what all fall together costs
 // nothing. Each block counts from a moment of its own, when something was found for it. A few moments are
 // kept, with all blocks as they were then: since one of them, for points p of block a and q of block b,
@@ -37,6 +39,7 @@ typedef struct PercaleBlock {
     float turned;        // m, on these ways, its points against any not far from them, at most
     float drifted;       // m, to their ends since last remembered, the same
     bool changed;        // it is not where it was when last measured
+    bool fresh;          // its moment is the end of ways that start where these do
 } PercaleBlock;
 
 typedef struct PercaleBlocks {

@@ -162,8 +162,8 @@ static inline i32x8 overlap(const Boxes *a, const Boxes *b)
            at_most8(b->low.y, a->high.y) & at_most8(a->low.z, b->high.z) & at_most8(b->low.z, a->high.z);
 }
 
-/// Whether the ways of the primitives touch those of the queries, as boxes that move along with the query's
-/// first point: what all move together is no way. `own`, `corners` are at the end. `moved`: how far any two
+/// Whether the ways of the primitives come as near to those of the queries as is asked beyond their reach, as
+/// boxes that move along with the query's first point: what all move together is no way. `own`, `corners` are at the end. `moved`: how far any two
 /// points have moved against each other, at most: farther apart they can't have met.
 static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eight, uint32_t arity,
                                const WidePoints own[2], const WidePoints corners[3], f32x8 *moved)
@@ -179,6 +179,9 @@ static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eig
     f32x8 rounded = widen(&box.low.x, &box.high.x, carried.x);
     rounded += widen(&box.low.y, &box.high.y, carried.y);
     rounded += widen(&box.low.z, &box.high.z, carried.z);
+    f32x8 wider = all8(hood->wider);
+    box = (Boxes){{box.low.x - wider, box.low.y - wider, box.low.z - wider},
+                  {box.high.x + wider, box.high.y + wider, box.high.z + wider}};
     Boxes other = {corners[0], corners[0]};
     f32x8 farthest2 = all8(0.0f);
     for (uint32_t corner = 0; corner < arity; corner++) {
@@ -189,7 +192,7 @@ static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eig
         other.high = most_of(other.high, most_of(corners[corner], from));
     }
     WidePoints turned = minus(own[1], begin);
-    *moved = (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + sqrt8(dot(turned, turned))) + 4.0f * rounded;
+    *moved = (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + sqrt8(dot(turned, turned))) + 4.0f * rounded + wider;
     return overlap(&box, &other);
 }
 
