@@ -241,6 +241,7 @@ static void drop_model(PercaleSolver *solver)
     percale_memory_free(detect, solver->proximities);
     percale_memory_free(detect, solver->frames);
     percale_memory_free(detect, solver->crossings);
+    percale_memory_free(detect, solver->guarded_from);
     percale_memory_free(solve, solver->pin_from);
     percale_memory_free(solve, solver->pin_to);
     percale_memory_free(solve, solver->edge_multipliers);
@@ -253,6 +254,8 @@ static void drop_model(PercaleSolver *solver)
     solver->proximities = NULL;
     solver->frames = NULL;
     solver->crossings = NULL;
+    solver->guarded_from = NULL;
+    solver->unguarded = 0;
     solver->pin_from = solver->pin_to = NULL;
     solver->edge_multipliers = NULL;
     solver->hinge_multipliers = NULL;
@@ -354,6 +357,9 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
         complete = percale_candidates_create(&solver->candidates, model, cloth, edges, obstacles, memory) &&
                    (solver->def.reuse != PERCALE_REUSE_AUDIT ||
                     percale_candidates_create(&solver->audited, model, cloth, edges, obstacles, memory));
+    }
+    if (complete && solver->candidates.lists != NULL && solver->def.guard_passes) {
+        complete = allocate_some(memory, &solver->guarded_from, model->point_count, sizeof(f32x4));
     }
     if (!complete) {
         return percale_fail_memory(&solver->error);

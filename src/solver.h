@@ -43,9 +43,11 @@ struct PercaleSolver {
     PercaleNoteList notes[2];                    // of the last pass, and those that are being written
     PercaleStencilList stencils, known_stencils; // the latter of the last pass but one
     PercaleStencilList passing;                  // of the running substep
-    PercaleCandidates audited;                   // with reuse=audit: found anew in each pass
-    PercaleStencilList audited_stencils;         // theirs
-    PercaleNoteList audited_notes;               // too
+    f32x4 *guarded_from;                 // [point_count] with guard_passes: where the pairs' guard was last
+    int unguarded;                       // substeps since
+    PercaleCandidates audited;           // with reuse=audit: found anew in each pass
+    PercaleStencilList audited_stencils; // theirs
+    PercaleNoteList audited_notes;       // too
     size_t pass_stencil_count; // stencils of the last collision pass; CCD's of the running substep come after
                                // them
 

@@ -55,14 +55,49 @@ static PercaleResult predict(Substep *substep)
     end_stage(substep, PERCALE_STAGE_PREDICT);
     return bad == UINT32_MAX ? PERCALE_OK : name_bad_vertex(solver, bad);
 }
+// ---- passes ----
+
+/// Collision pass i comes before sweep floor(i * S / P) of the step's S sweeps.
+static bool is_pass_due(const PercaleSolverDef *def, uint64_t sweep)
+{
+    uint64_t sweeps = (uint64_t)def->substeps * (uint64_t)def->iterations;
+    uint64_t passes = (uint64_t)def->passes;
+    uint64_t i = (sweep * passes + sweeps - 1) / sweeps; // the first i with i * S / P >= sweep
+    return i < passes && i * sweeps / passes == sweep;
+}
+
+/// Whether a collision pass comes before any sweep of the substep.
+static bool has_pass(const PercaleSolverDef *def, int substep_index)
+{
+    uint64_t first = (uint64_t)substep_index * (uint64_t)def->iterations;
+    bool due = false;
+    for (uint64_t i = 0; i < (uint64_t)def->iterations; i++) {
+        due = due || is_pass_due(def, first + i);
+    }
+    return due;
+}
+
 // ---- finish ----
 
-/// Cloth that has gone through cloth, or an edge of it through an obstacle's. False without memory.
+/// Whether the guard of pairs has to ask now: with guard_passes before passes, and where obstacles pinch.
+static bool is_pair_guard_due(const Substep *substep)
+{
+    const PercaleSolver *solver = substep->solver;
+    return !solver->def.guard_passes || substep->index + 1 == solver->def.substeps ||
+           has_pass(&solver->def, substep->index + 1) || solver->pinches.count > 0;
+}
+
+/// Cloth that has gone through cloth, or an edge of it through an obstacle's, since it was last asked. False
+/// without memory.
 static bool guard_pairs(Substep *substep, uint64_t *corrected)
 {
     PercaleSolver *solver = substep->solver;
-    if (solver->candidates.lists == NULL) {
+    if (solver->candidates.lists == NULL || !is_pair_guard_due(substep)) {
         return true;
+    }
+    f32x4 *start = solver->model.position;
+    if (solver->unguarded > 0) {
+        solver->model.position = solver->guarded_from;
     }
     PercalePairGuardStage stage = {.model = &solver->model,
                                    .candidates = &solver->candidates,
@@ -72,7 +107,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
                                    .exact = solver->def.ccd == PERCALE_CCD_EXACT,
                                    .is_pinched = pinched_or_none(solver),
-                                   .dt = substep->dt,
+                                   .dt = substep->dt * (float)(solver->unguarded + 1),
                                    .collectors = &solver->collectors,
                                    .passing = &solver->passing,
                                    .memory = &solver->detect_memory,
@@ -83,6 +118,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
     PercalePairGuardCounts counts;
     bool complete = percale_pair_guard_run(&stage, &counts);
     percale_pinches_end(&pinches);
+    solver->model.position = start;
     solver->counters.candidates += counts.candidates;
     solver->counters.truncated += counts.pushed;
     solver->counters.left_crossed += counts.left;
@@ -192,6 +228,24 @@ static bool guard(Substep *substep, uint64_t *corrected)
     return true;
 }
 
+/// Where the next way that the guard of pairs asks begins: at this substep's end, or it goes on.
+static void end_pair_guard(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    PercaleModel *model = &solver->model;
+    if (is_pair_guard_due(substep)) {
+        solver->unguarded = 0;
+        for (uint32_t o = 0; o < model->obstacle_count; o++) {
+            solver->proximities[o].guarded = solver->proximities[o].traveled;
+        }
+        return;
+    }
+    if (solver->unguarded == 0 && solver->guarded_from != NULL) {
+        memcpy(solver->guarded_from, model->position, model->point_count * sizeof(f32x4));
+    }
+    solver->unguarded++;
+}
+
 static PercaleResult finish(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
@@ -214,31 +268,12 @@ static PercaleResult finish(Substep *substep)
     if (bad != UINT32_MAX) {
         return name_bad_vertex(solver, bad);
     }
+    end_pair_guard(substep);
     percale_advance_commit(model, has_moved_obstacles(solver));
     end_stage(substep, PERCALE_STAGE_FINISH);
     return PERCALE_OK;
 }
 // ---- the step ----
-
-/// Collision pass i comes before sweep floor(i * S / P) of the step's S sweeps.
-static bool is_pass_due(const PercaleSolverDef *def, uint64_t sweep)
-{
-    uint64_t sweeps = (uint64_t)def->substeps * (uint64_t)def->iterations;
-    uint64_t passes = (uint64_t)def->passes;
-    uint64_t i = (sweep * passes + sweeps - 1) / sweeps; // the first i with i * S / P >= sweep
-    return i < passes && i * sweeps / passes == sweep;
-}
-
-/// Whether a collision pass comes before any sweep of the substep.
-static bool has_pass(const PercaleSolverDef *def, int substep_index)
-{
-    uint64_t first = (uint64_t)substep_index * (uint64_t)def->iterations;
-    bool due = false;
-    for (uint64_t i = 0; i < (uint64_t)def->iterations; i++) {
-        due = due || is_pass_due(def, first + i);
-    }
-    return due;
-}
 
 static PercaleResult run_substep(Substep *substep)
 {

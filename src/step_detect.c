@@ -151,7 +151,7 @@ static bool find_candidates(Substep *substep, const f32x4 *seen, PercaleCandidat
 {
     PercaleSolver *solver = substep->solver;
     const PercaleModel *model = &solver->model;
-    float later = later_substeps(&solver->def);
+    float later = later_substeps_of_pairs(&solver->def);
     const f32x4 *ahead = look_ahead(substep, seen, later);
     if (ahead == NULL) {
         return false;
@@ -192,7 +192,7 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .end = seen,
                               .candidates = &solver->candidates,
                               .known = &solver->notes[0],
-                              .later_substeps = later_substeps(&solver->def),
+                              .later_substeps = later_substeps_of_pairs(&solver->def),
                               .dt = substep->dt,
                               .may_be_crossed = solver->may_be_crossed,
                               .only = only,
@@ -255,12 +255,13 @@ static bool continue_stencils(Substep *substep, bool same_substep, const f32x4 *
     return complete;
 }
 
-/// Between passes: pairs that have slid on are found anew. False without memory.
+/// Between passes: pairs that have slid on are found anew, unless the guard hasn't asked them since. False
+/// without memory.
 static bool renew_pairs(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
     solver->stencils.count = solver->pass_stencil_count;
-    if (solver->candidates.lists == NULL || solver->stencils.count == 0) {
+    if (solver->candidates.lists == NULL || solver->stencils.count == 0 || solver->def.guard_passes) {
         return true;
     }
     const f32x4 *seen = look_at_pairs(substep, true);

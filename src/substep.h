@@ -36,6 +36,12 @@ static inline float later_substeps(const PercaleSolverDef *def)
     return (float)(between - 1);
 }
 
+/// The same for pairs: where the guard waits, too, they don't look ahead.
+static inline float later_substeps_of_pairs(const PercaleSolverDef *def)
+{
+    return def->guard_passes ? 0.0f : later_substeps(def);
+}
+
 static inline PercalePair pair_of(const Substep *substep, uint32_t obstacle)
 {
     const PercaleSolver *solver = substep->solver;

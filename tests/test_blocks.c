@@ -19,6 +19,7 @@ typedef struct Swarm {
     f32x4 then[BLOCKS][POINTS];
     bool remember, again;
     uint64_t seed;
+    bool found_here[BLOCKS]; // their moment is one of these ways
 } Swarm;
 
 static float around_zero(Swarm *swarm)
@@ -65,17 +66,22 @@ static void begin(Swarm *swarm, uint32_t *listed, uint32_t count, float most)
                          percale_team_alone());
     for (uint32_t i = 0; i < count; i++) {
         memcpy(swarm->then[listed[i]], swarm->to, sizeof(swarm->to));
+        swarm->found_here[listed[i]] = true;
     }
 }
 
 static void look(Swarm *swarm)
 {
     PercaleBlockWays ways = {swarm->from, swarm->to, swarm->again};
+    for (uint32_t b = 0; b < BLOCKS && !swarm->again; b++) {
+        swarm->found_here[b] = false;
+    }
     percale_blocks_measure(&swarm->blocks, &ways, swarm->remember, percale_team_alone());
     percale_blocks_compare(&swarm->blocks, 0, BLOCKS, (PercaleBlockReach){REACH, FAR}, percale_team_alone());
 }
 
-/// How far points of two blocks have moved against each other since the first one's moment.
+/// How far points of two blocks have moved against each other since the first one's moment; where that is one
+/// of these ways, at their ends only.
 static float moved_against(const Swarm *swarm, uint32_t a, uint32_t b)
 {
     const PercaleBlocks *blocks = &swarm->blocks;
@@ -85,7 +91,8 @@ static float moved_against(const Swarm *swarm, uint32_t a, uint32_t b)
             uint32_t p = blocks->points[i];
             uint32_t q = blocks->points[k];
             f32x4 apart = swarm->then[a][p] - swarm->then[a][q];
-            most = fmaxf(most, length3(swarm->from[p] - swarm->from[q] - apart));
+            bool both = !swarm->remember || !swarm->found_here[a];
+            most = both ? fmaxf(most, length3(swarm->from[p] - swarm->from[q] - apart)) : most;
             most = fmaxf(most, length3(swarm->to[p] - swarm->to[q] - apart));
         }
     }

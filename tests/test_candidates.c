@@ -65,11 +65,12 @@ static void start_here(Sheets *sheets)
     memcpy(sheets->model->position, sheets->model->predicted, sheets->model->slot_count * sizeof(f32x4));
 }
 
-/// Blocks that had to be searched again.
-static uint32_t keep(Sheets *sheets)
+/// Blocks that had to be searched again. `again`: the ways start where they did.
+static uint32_t keep_again(Sheets *sheets, bool again)
 {
     PercaleCandidateStage stage = {.from = sheets->model->position,
                                    .to = sheets->model->predicted,
+                                   .again = again,
                                    .collectors = &sheets->solver->collectors,
                                    .memory = &sheets->solver->detect_memory,
                                    .team = percale_team_alone()};
@@ -77,6 +78,11 @@ static uint32_t keep(Sheets *sheets)
     ck_assert(percale_candidates_keep(sheets->candidates, &stage, &tested));
     ck_assert((tested > 0) <= (sheets->candidates->spent.count > 0));
     return sheets->candidates->spent.count;
+}
+
+static uint32_t keep(Sheets *sheets)
+{
+    return keep_again(sheets, false);
 }
 
 /// Which pairs of a list are visited.
@@ -410,6 +416,19 @@ START_TEST(blocks_reach_as_far_as_their_triangles)
 }
 END_TEST
 
+/// Whether a vertex and a face, or two edges, go through each other on their predicted ways.
+static bool do_pass(const PercaleModel *model, bool edges, const uint32_t points[4])
+{
+    Vec3 from[4];
+    Vec3 to[4];
+    for (int k = 0; k < 4; k++) {
+        from[k] = vec3_of(model->position[points[k]]);
+        to[k] = vec3_of(model->predicted[points[k]]);
+    }
+    PercalePassage passage;
+    return edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage);
+}
+
 /// All passages of the predicted ways, by all pairs.
 static uint32_t count_passages(const PercaleModel *model)
 {
@@ -417,19 +436,45 @@ static uint32_t count_passages(const PercaleModel *model)
     uint32_t points[4];
     for (int kind = 0; kind < 2; kind++) {
         for (AllPairs all = all_pairs(model, kind == 1); next_pair(&all, points);) {
-            Vec3 from[4];
-            Vec3 to[4];
-            for (int k = 0; k < 4; k++) {
-                from[k] = vec3_of(model->position[points[k]]);
-                to[k] = vec3_of(model->predicted[points[k]]);
-            }
-            PercalePassage passage;
-            count += kind == 1 ? percale_edges_pass(from, to, &passage)
-                               : percale_vertex_passes(from, to, &passage);
+            count += do_pass(model, kind == 1, points);
         }
     }
     return count;
 }
+
+/// A sheet flies over another one, as low as half a millimetre, and beyond its rim, much farther than the
+/// margin; then it ends a little deeper: nothing is searched for again, and all that passes now is visited.
+START_TEST(ways_that_end_elsewhere_are_known)
+{
+    enum { SMALL_SIDE = 4 };
+    Sheets sheets;
+    open_sheets(&sheets, SMALL_SIDE);
+    PercaleModel *model = sheets.model;
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        bool flies = model->cloth_of[i] == 1;
+        model->position[i] -= flies ? (f32x4){0.038f, 0.0f, 0.0f, 0.0f} : (f32x4){0};
+        model->predicted[i] += flies ? (f32x4){0.072f, -0.0115f, 0.0f, 0.0f} : (f32x4){0};
+    }
+    (void)keep(&sheets);
+    ck_assert_uint_eq(count_passages(model), 0);
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        model->predicted[i][1] -= model->cloth_of[i] == 1 ? 0.9f * sheets.candidates->margin : 0.0f;
+    }
+    ck_assert_uint_eq(keep_again(&sheets, true), 0);
+    ck_assert_uint_gt(count_passages(model), 10);
+    for (int edges = 0; edges < 2; edges++) {
+        Visited visited = visit(&sheets, edges != 0, NULL);
+        uint32_t points[4];
+        for (AllPairs all = all_pairs(model, edges != 0); next_pair(&all, points);) {
+            ck_assert_msg(!do_pass(model, edges != 0, points) ||
+                              visited.pairs[all.item * visited.primitive_count + all.primitive - 1],
+                          "edges %d: %u and %u", edges, all.item, all.primitive - 1);
+        }
+        free(visited.pairs);
+    }
+    close_sheets(&sheets);
+}
+END_TEST
 
 static PercalePairGuardStage pair_guard_of(Sheets *sheets, float dt)
 {
@@ -548,6 +593,7 @@ int main(void)
     tcase_add_test(candidates, no_block_counts_from_a_moment_that_is_forgotten);
     tcase_add_test(candidates, the_state_is_that_of_finding_all_anew_in_each_substep);
     tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
+    tcase_add_test(candidates, ways_that_end_elsewhere_are_known);
     tcase_add_test(candidates, nothing_goes_through_however_it_is_thrown);
     tcase_add_test(candidates, what_only_pins_lead_through_each_other_is_counted);
     tcase_add_test(candidates, what_pins_press_together_finds_its_place);

@@ -100,9 +100,12 @@ typedef struct PercaleSolverDef {
     int edge_edge;      ///< 1: edges collide with edges, and obstacle vertices with cloth faces
     int self_collision; ///< 1: cloth collides with cloth; its edges too where edge_edge is 1
     int guard;          ///< 1: what has passed after the last sweep is put back; 0: left to the next contacts
-    int untangle;       ///< 1: crossings are resolved (not in this version)
-    int tethers; ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
-    int bending; ///< 1: cloth resists bending
+    int guard_passes;   ///< 1: cloth is guarded from cloth, and from obstacles' edges, only when a collision
+                      ///< pass is about to come and at the end of a step, over the whole way since; contacts
+                      ///< of its features are those of the pass until then. 0: in each substep
+    int untangle; ///< 1: crossings are resolved (not in this version)
+    int tethers;  ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
+    int bending;  ///< 1: cloth resists bending
     PercaleLogFunction *log; ///< one line per error or warning, and where percale_solver_quality finds
                              ///< crossings, without a newline; NULL: silent
     void *log_user;

@@ -43,6 +43,7 @@ typedef struct PercaleProximity {
     PercaleSighting *sightings; // [active_count] of this substep, in the step's arena
     float motion;               // m; the farthest that one of the obstacle's vertices moves in this substep
     double traveled;            // m; sum of the motions, this substep's too
+    double guarded;             // m; of it, until cloth was last guarded from the obstacle's features
     float doubt; // m; what the path test may be wrong by: nothing seen on a path, a vertex that is this deep
                  // behind an open surface has passed through it all the same, a deeper one went around the
                  // rim; below 0: it can't be wrong

@@ -134,7 +134,8 @@ static void ask_feature(const Search *search, PercaleCollector *collector, uint3
     Feature feature = {primitive, corners, is_edge, box_of(search->stage->model, corners, is_edge ? 2 : 3)};
     f32x4 low = feature.box.low;
     f32x4 high = feature.box.high;
-    f32x4 wider = max4(-low, high) * 1e-6f + search->proximity->motion; // the tree is at the end
+    float motion = (float)(search->proximity->traveled - search->proximity->guarded);
+    f32x4 wider = max4(-low, high) * 1e-6f + 1.001f * motion; // the tree is at the end
     if (!percale_tree_overlap(tree, low - wider, high + wider, &collector->memory, &collector->nodes)) {
         collector->complete = false;
         return;

@@ -37,6 +37,8 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
         "the obstacles are there"}, NULL, 0},
     [PERCALE_SET_GUARD] = {{"guard", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "what has passed after the last sweep is put back"}, NULL, 0},
+    [PERCALE_SET_GUARD_PASSES] = {{"guard_passes", PERCALE_SETTING_SWITCH, {0}, 0, 1, "", NULL,
+        "cloth is guarded from cloth before each collision pass only, over the way since the last"}, NULL, 0},
     [PERCALE_SET_UNTANGLE] = {{"untangle", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "crossings are resolved"}, "untangling", 1},
     [PERCALE_SET_TETHERS] = {{"tethers", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
@@ -330,6 +332,7 @@ PercaleSolverDef percale_settings_solver_def(const PercaleSettings *settings, in
     def.edge_edge = percale_settings_switch(settings, PERCALE_SET_EE);
     def.self_collision = percale_settings_switch(settings, PERCALE_SET_SELF);
     def.guard = percale_settings_switch(settings, PERCALE_SET_GUARD);
+    def.guard_passes = percale_settings_switch(settings, PERCALE_SET_GUARD_PASSES);
     def.untangle = percale_settings_switch(settings, PERCALE_SET_UNTANGLE);
     def.tethers = percale_settings_switch(settings, PERCALE_SET_TETHERS);
     def.bending = percale_settings_switch(settings, PERCALE_SET_BENDING);
