@@ -161,8 +161,9 @@ static uint64_t guard_paths(Substep *substep, f32x4 *proved, bool again)
     return counts.truncated;
 }
 
-/// Vertices that are below an obstacle's surface. Returns how many were put back.
-static uint64_t guard_obstacles(Substep *substep)
+/// Vertices that are below an obstacle's surface; `again`: that have been moved there since they were judged.
+/// Returns how many were put back.
+static uint64_t guard_obstacles(Substep *substep, bool again)
 {
     PercaleSolver *solver = substep->solver;
     PercaleModel *model = &solver->model;
@@ -183,7 +184,7 @@ static uint64_t guard_obstacles(Substep *substep)
                                    solver->proximities,
                                    o,
                                    substep->team};
-        PercaleGuardCounts counts = percale_guard_run(&stage);
+        PercaleGuardCounts counts = again ? percale_guard_lift(&stage) : percale_guard_run(&stage);
         solver->counters.left_inside += counts.left_inside;
         solver->counters.truncated += counts.truncated;
         corrected += counts.truncated;
@@ -200,7 +201,7 @@ static bool guard(Substep *substep, uint64_t *corrected)
     PercaleSolver *solver = substep->solver;
     f32x4 *proved = NULL;
     if (solver->def.guard == 0) { // nobody knows what has passed
-        *corrected += guard_obstacles(substep);
+        *corrected += guard_obstacles(substep, false);
         solver->may_be_crossed = true;
         return true;
     }
@@ -211,18 +212,23 @@ static bool guard(Substep *substep, uint64_t *corrected)
         }
         *corrected += guard_paths(substep, proved, false);
     }
-    uint64_t moved = guard_obstacles(substep);
+    uint64_t moved = guard_obstacles(substep, false);
     for (int round = 0; round < ROUNDS; round++) {
         if (!guard_pairs(substep, &moved)) {
             return false;
         }
         *corrected += moved;
-        moved = proved != NULL && moved > 0 ? guard_paths(substep, proved, true) : 0;
+        if (moved > 0) {
+            moved = proved != NULL ? guard_paths(substep, proved, true) : guard_obstacles(substep, true);
+        }
         if (moved == 0) {
             return true;
         }
     }
     *corrected += moved;
+    if (proved == NULL) { // cloth has the last word
+        return guard_pairs(substep, corrected);
+    }
     solver->counters.left_crossed += moved; // they may have come through cloth: obstacles have the last word
     solver->may_be_crossed = true;
     return true;

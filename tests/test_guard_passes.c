@@ -62,12 +62,35 @@ START_TEST(guarded_before_passes_nothing_crosses_for_less)
 }
 END_TEST
 
+/// A sheet that lands hard: what is pushed out of itself isn't left in the ball.
+START_TEST(what_pairs_push_into_a_body_is_lifted_out)
+{
+    Play play = open_play("drape", 2500);
+    set(&play, "seed", "2");
+    set(&play, "passes", "2");
+    set(&play, "guard_passes", "on");
+    build(&play, 1);
+    for (uint32_t frame = 0; frame < 40; frame++) {
+        run_frame(&play);
+        PercaleQuality quality = judge(&play);
+        ck_assert_double_eq(quality.ef_cloth_obstacle, 0.0);
+        ck_assert_double_eq(quality.penetration_max_mm, 0.0);
+        ck_assert_double_eq(quality.ef_cloth_cloth, 0.0);
+    }
+    PercaleCounters counters = percale_solver_counters(play.solver);
+    ck_assert_uint_gt(counters.truncated, 100);
+    ck_assert_uint_eq(counters.left_inside, 0);
+    close_play(&play);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("guard passes");
     TCase *cases = tcase_create("guard passes");
     tcase_add_loop_test(cases, with_a_pass_in_each_substep_nothing_changes, 0, 3);
     tcase_add_loop_test(cases, guarded_before_passes_nothing_crosses_for_less, 0, 2);
+    tcase_add_test(cases, what_pairs_push_into_a_body_is_lifted_out);
     suite_add_tcase(suite, cases);
     return percale_test_run(suite);
 }

@@ -187,13 +187,17 @@ static void spend_clearance(const PercaleGuardStage *stage, uint32_t slot)
     }
 }
 
-/// An idle vertex that the solver has moved farther than its clearance is judged like an active one.
-static bool is_spent(const PercaleGuardStage *stage, uint32_t slot)
+static bool can_collide(const PercaleGuardStage *stage, uint32_t slot)
 {
     const PercaleModel *model = stage->pair->model;
     uint32_t mask = model->cloths[model->cloth_of[slot]].mask & stage->pair->obstacle->mask;
-    return mask != 0 && stage->predicted[slot][3] > 0.0f &&
-           stage->proximity->clearance[slot] <= motion_of(stage, slot);
+    return mask != 0 && stage->predicted[slot][3] > 0.0f;
+}
+
+/// An idle vertex that the solver has moved farther than its clearance is judged like an active one.
+static bool is_spent(const PercaleGuardStage *stage, uint32_t slot)
+{
+    return can_collide(stage, slot) && stage->proximity->clearance[slot] <= motion_of(stage, slot);
 }
 
 static void add_counts(PercaleGuardCounts *sum, PercaleGuardCounts counts)
@@ -283,6 +287,45 @@ static void guard_active_range(void *context, uint32_t first, uint32_t end)
         add_counts(&counts, guard_active(guard->stage, i));
     }
     add_to_guard(guard, counts);
+}
+
+/// A vertex that has been moved since it was judged, as far as a closed surface or farther: it may be as deep
+/// as its clearance is below 0.
+static PercaleGuardCounts lift_vertex(const PercaleGuardStage *stage, uint32_t slot)
+{
+    const double gap = GAP * (double)pair_thickness(stage->pair, slot);
+    double radius = gap - (double)stage->proximity->clearance[slot];
+    Judgement judgement = judge(stage, vec3_of(stage->predicted[slot]), radius, NO_TRIANGLE);
+    PercaleGuardCounts counts = {0, is_below(stage, &judgement), 1};
+    for (int i = 0; i < ATTEMPTS && is_below(stage, &judgement); i++) {
+        lift_out(stage, slot, gap, true, &judgement.nearest);
+        judgement = judge(stage, vec3_of(stage->predicted[slot]), 2.0 * radius, judgement.nearest.triangle);
+    }
+    remember(stage, slot, &judgement);
+    return counts;
+}
+
+static void lift_range(void *context, uint32_t first, uint32_t end)
+{
+    Guard *guard = context;
+    const PercaleGuardStage *stage = guard->stage;
+    PercaleGuardCounts counts = {0, 0, 0};
+    for (uint32_t slot = first; slot < end; slot++) {
+        if (!(stage->proximity->clearance[slot] > 0.0f) && can_collide(stage, slot)) {
+            add_counts(&counts, lift_vertex(stage, slot));
+        }
+    }
+    add_to_guard(guard, counts);
+}
+
+PercaleGuardCounts percale_guard_lift(const PercaleGuardStage *stage)
+{
+    enum { GRAIN_SLOTS = 1024 };
+    Guard guard = {stage, 0, 0, 0};
+    if (stage->pair->obstacle->closed) {
+        percale_team_for(stage->team, stage->pair->model->slot_count, GRAIN_SLOTS, lift_range, &guard);
+    }
+    return (PercaleGuardCounts){guard.left_inside, guard.truncated, guard.searches};
 }
 
 PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage)

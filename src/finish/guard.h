@@ -38,6 +38,10 @@ typedef struct PercaleGuardCounts {
 
 PercaleGuardCounts percale_guard_run(const PercaleGuardStage *stage);
 
+/// Who has been moved into a closed obstacle since is lifted out of it; what is known of others' distances is
+/// as the first run left it.
+PercaleGuardCounts percale_guard_lift(const PercaleGuardStage *stage);
+
 /// Takes away what of the vertex's velocity goes against the surface at this place of it, relative to it.
 void percale_guard_stop_approach(const PercalePair *pair, uint32_t slot, const PercaleCrossing *at,
                                  Vec3 normal, float dt, f32x4 *velocity);
