@@ -3,8 +3,6 @@
 //   in   groups of points that lie together, the starts and the ends of their ways
 //   out  for each of them how far its points have moved against what is near them now, at most
 //
-// What was found for ways that start where these do was found for all of them: then only where they end counts.
-//
 // A block's motion is that of its centre and the greatest deviation from it, so what all fall together costs
 // nothing. Each block counts from a moment of its own, when something was found for it. A few moments are
 // kept, with all blocks as they were then: since one of them, for points p of block a and q of block b,
@@ -13,7 +11,8 @@
 //
 // whether the two were near each other then or not. A block's deviation is measured from places of its own,
 // its anchors. Its spread since a moment is how far it had deviated from its anchors then, how far at each
-// change of them since, and how far it does now.
+// change of them since, and how far it does now. Where a block's moment is the end of ways that start where
+// these do, all of those ways was searched, and only where these end counts.
 //
 // Besides, all blocks count from the last time that they were remembered: for what is asked in every substep
 // and known to move little in one.

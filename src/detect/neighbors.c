@@ -163,8 +163,9 @@ static inline i32x8 overlap(const Boxes *a, const Boxes *b)
 }
 
 /// Whether the ways of the primitives come as near to those of the queries as is asked beyond their reach, as
-/// boxes that move along with the query's first point: what all move together is no way. `own`, `corners` are at the end. `moved`: how far any two
-/// points have moved against each other, at most: farther apart they can't have met.
+/// boxes that move along with the query's first point: what all move together is no way. `own`, `corners` are
+/// at the end. `moved`: how far any two points have moved against each other, at most: farther apart they
+/// can't have met.
 static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eight, uint32_t arity,
                                const WidePoints own[2], const WidePoints corners[3], f32x8 *moved)
 {
@@ -192,7 +193,8 @@ static inline i32x8 ways_touch(const PercaleNeighborhood *hood, const Eight *eig
         other.high = most_of(other.high, most_of(corners[corner], from));
     }
     WidePoints turned = minus(own[1], begin);
-    *moved = (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + sqrt8(dot(turned, turned))) + 4.0f * rounded + wider;
+    *moved =
+        (1.0f + DISTANCE_SLACK) * (sqrt8(farthest2) + sqrt8(dot(turned, turned))) + 4.0f * rounded + wider;
     return overlap(&box, &other);
 }
 
