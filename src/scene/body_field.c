@@ -135,6 +135,18 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// Not fmax: a call for its treatment of NaN.
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/// To [0, 1].
+static double clamped(double t)
+{
+    return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+}
+
 // The nearest ball of the cone is the one that minimises |p - center(t)| - radius(t) over t in [0, 1]; with
 // x along the axis, y off it and the taper k = (r0 - r1) / length, that is t length = x + y k / sqrt(1 -
 // k^2).
@@ -146,9 +158,9 @@ double percale_round_cone_distance(const PercaleRoundCone *cone, const double po
                                   point[2] - cone->start[2]};
     const double length = sqrt(dot(axis, axis));
     const double along = dot(from_start, axis) / length;
-    const double off = sqrt(fmax(dot(from_start, from_start) - along * along, 0.0));
+    const double off = sqrt(larger(dot(from_start, from_start) - along * along, 0.0));
     const double taper = (cone->start_radius - cone->end_radius) / length;
-    const double t = fmin(fmax((along + off * taper / sqrt(1.0 - taper * taper)) / length, 0.0), 1.0);
+    const double t = clamped((along + off * taper / sqrt(1.0 - taper * taper)) / length);
     const double offset[3] = {from_start[0] - t * axis[0], from_start[1] - t * axis[1],
                               from_start[2] - t * axis[2]};
     const double distance = sqrt(dot(offset, offset));
@@ -165,16 +177,36 @@ void percale_smooth_union(double *value, double gradient[3], double other, const
     const double overlap = gap < blend ? (blend - gap) / blend : 0.0;
     const double far_weight = 0.5 * overlap;
     const double other_weight = other < *value ? 1.0 - far_weight : far_weight;
-    *value = fmin(*value, other) - 0.25 * overlap * overlap * blend;
+    *value = (other < *value ? other : *value) - 0.25 * overlap * overlap * blend;
     for (int k = 0; k < 3; k++) {
         gradient[k] += other_weight * (other_gradient[k] - gradient[k]);
     }
 }
 
+/// Whether all balls of a cone, taken as large as its largest, are farther from the point than `limit`, m.
+static bool is_beyond(const PercaleRoundCone *cone, const double point[3], double limit)
+{
+    static const double ROUNDING = 1e-9; // m
+    const double axis[3] = {cone->end[0] - cone->start[0], cone->end[1] - cone->start[1],
+                            cone->end[2] - cone->start[2]};
+    const double from_start[3] = {point[0] - cone->start[0], point[1] - cone->start[1],
+                                  point[2] - cone->start[2]};
+    const double along = dot(from_start, axis) / dot(axis, axis);
+    const double t = clamped(along);
+    const double offset[3] = {from_start[0] - t * axis[0], from_start[1] - t * axis[1],
+                              from_start[2] - t * axis[2]};
+    const double reach = limit + larger(cone->start_radius, cone->end_radius) + ROUNDING;
+    return reach < 0.0 || dot(offset, offset) > reach * reach;
+}
+
+// A cone too far to matter is skipped, as in join_group.
 static double group_field(const Group *group, const double point[3], double gradient[3])
 {
     double value = percale_round_cone_distance(&group->cones[0], point, gradient);
     for (size_t i = 1; i < group->cone_count; i++) {
+        if (is_beyond(&group->cones[i], point, value + group->cones[i].blend)) {
+            continue;
+        }
         double cone_gradient[3];
         const double distance = percale_round_cone_distance(&group->cones[i], point, cone_gradient);
         percale_smooth_union(&value, gradient, distance, cone_gradient, group->cones[i].blend);
