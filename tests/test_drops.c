@@ -332,15 +332,18 @@ int main(void)
 {
     Suite *suite = suite_create("drops");
     TCase *drops = tcase_create("drops");
+    tcase_set_tags(drops, PERCALE_ONE_THREAD);
     tcase_set_timeout(drops, 60.0);
     tcase_add_loop_test(drops, a_dropped_sheet_stays_outside, 0, 9);
     suite_add_tcase(suite, drops);
     TCase *inside = tcase_create("out of a body");
+    tcase_set_tags(inside, PERCALE_ONE_THREAD);
     tcase_set_timeout(inside, 60.0);
     tcase_add_loop_test(inside, cloth_that_starts_inside_leaves_without_a_shot, 0, 2);
     tcase_add_loop_test(inside, cloth_that_starts_deep_inside_leaves_too, 0, 2);
     suite_add_tcase(suite, inside);
     TCase *contact = tcase_create("contact");
+    tcase_set_tags(contact, PERCALE_ONE_THREAD);
     tcase_set_timeout(contact, 60.0);
     tcase_add_loop_test(contact, what_lies_on_the_ground_stays_there, 0, 2);
     tcase_add_test(contact, a_turntable_carries_its_cloth);

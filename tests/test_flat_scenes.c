@@ -66,6 +66,7 @@ int main(void)
 {
     Suite *suite = suite_create("flat scenes");
     TCase *cases = tcase_create("flat scenes");
+    tcase_set_tags(cases, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_add_loop_test(cases, what_is_low_or_long_does_not_go_through, 0, 3);
     tcase_add_test(cases, what_is_flat_costs_nothing);
     suite_add_tcase(suite, cases);

@@ -350,6 +350,7 @@ int main(void)
 {
     Suite *suite = suite_create("friction");
     TCase *holding = tcase_create("holding");
+    tcase_set_tags(holding, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(holding, 0);
     tcase_add_loop_test(holding, a_sheet_holds_below_the_friction_angle, 0, SPLIT_COUNT);
     tcase_add_loop_test(holding, a_sheet_holds_on_pinned_cloth, 0, SPLIT_COUNT);
@@ -357,6 +358,7 @@ int main(void)
     tcase_add_loop_test(holding, a_turntable_carries_cloth_a_full_circle, 0, SPLIT_COUNT);
     suite_add_tcase(suite, holding);
     TCase *sliding = tcase_create("sliding");
+    tcase_set_tags(sliding, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(sliding, 0);
     tcase_add_loop_test(sliding, above_the_friction_angle_a_sheet_slides_as_coulomb_says, 0,
                         WORK_SPLIT_COUNT);

@@ -88,10 +88,15 @@ int main(void)
 {
     Suite *suite = suite_create("guard passes");
     TCase *cases = tcase_create("guard passes");
+    tcase_set_tags(cases, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(cases, 0);
     tcase_add_loop_test(cases, with_a_pass_in_each_substep_nothing_changes, 0, 3);
-    tcase_add_loop_test(cases, guarded_before_passes_nothing_crosses_for_less, 0, 2);
     tcase_add_test(cases, what_pairs_push_into_a_body_is_lifted_out);
     suite_add_tcase(suite, cases);
+    TCase *threads = tcase_create("threads");
+    tcase_set_tags(threads, PERCALE_ANY_ENGINE);
+    tcase_set_timeout(threads, 0);
+    tcase_add_loop_test(threads, guarded_before_passes_nothing_crosses_for_less, 0, 2);
+    suite_add_tcase(suite, threads);
     return percale_test_run(suite);
 }

@@ -503,6 +503,7 @@ int main(void)
 {
     Suite *suite = suite_create("host");
     TCase *memory = tcase_create("memory");
+    tcase_set_tags(memory, PERCALE_ANY_ENGINE);
     tcase_set_timeout(memory, 100.0);
     tcase_add_test(memory, every_byte_comes_back);
     tcase_add_test(memory, every_allocation_may_fail);

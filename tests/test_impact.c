@@ -466,6 +466,7 @@ int main(int argc, char **argv)
     full = argc > 1 && strcmp(argv[1], "--full") == 0;
     Suite *suite = suite_create("impact");
     TCase *impact = tcase_create("impact");
+    tcase_set_tags(impact, PERCALE_ONE_THREAD);
     tcase_set_timeout(impact, 0);
     tcase_add_test(impact, no_touch_is_missed_and_no_time_is_late);
     tcase_add_test(impact, no_approach_is_missed_and_no_time_is_late);

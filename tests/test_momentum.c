@@ -172,6 +172,7 @@ int main(int argc, char **argv)
     bool full = argc > 1 && strcmp(argv[1], "--full") == 0;
     Suite *suite = suite_create("momentum");
     TCase *momentum = tcase_create("momentum");
+    tcase_set_tags(momentum, PERCALE_ONE_THREAD);
     tcase_set_timeout(momentum, 0);
     tcase_add_loop_test(momentum, a_sheet_that_crumples_keeps_its_momentum, full ? 1 : 0, full ? 2 : 1);
     tcase_add_test(momentum, the_weights_of_every_stencil_sum_to_zero);

@@ -195,6 +195,7 @@ int main(void)
 {
     Suite *suite = suite_create("obstacle_motion");
     TCase *motion = tcase_create("motion");
+    tcase_set_tags(motion, PERCALE_ONE_THREAD);
     tcase_add_test(motion, with_velocities_a_limb_keeps_its_length);
     tcase_add_test(motion, a_step_begins_with_the_velocity_of_the_last);
     tcase_add_test(motion, nothing_is_left_of_velocities_that_are_not_given_again);

@@ -565,12 +565,14 @@ int main(int argc, char **argv)
                             thick_sheets_have_the_same_pairs_however_they_are_told};
     Suite *suite = suite_create("pair_symmetry");
     TCase *symmetry = tcase_create("symmetry");
+    tcase_set_tags(symmetry, PERCALE_ONE_THREAD);
     tcase_set_timeout(symmetry, 0);
     for (size_t i = 0; i < sizeof(tests) / sizeof(tests[0]); i++) {
         tcase_add_loop_test(symmetry, tests[i], first, first + 1);
     }
     suite_add_tcase(suite, symmetry);
     TCase *passages = tcase_create("passages");
+    tcase_set_tags(passages, PERCALE_ONE_THREAD);
     tcase_add_test(passages, a_vertex_does_not_pass_a_triangle_that_turns_over_edge_on);
     tcase_add_test(passages, a_vertex_does_not_pass_a_triangle_whose_corners_pass_each_other);
     tcase_add_test(passages, an_edge_that_turns_over_end_to_end_passes_none);

@@ -497,6 +497,7 @@ int main(void)
 {
     Suite *suite = suite_create("pairs");
     TCase *pairs = tcase_create("pairs");
+    tcase_set_tags(pairs, PERCALE_ONE_THREAD);
     tcase_set_timeout(pairs, 0);
     tcase_add_test(pairs, pairs_are_those_of_all_pairs);
     tcase_add_test(pairs, at_the_times_found_the_volume_is_zero_and_between_them_it_keeps_its_sign);

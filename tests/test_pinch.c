@@ -367,12 +367,17 @@ int main(void)
 {
     Suite *suite = suite_create("pinch");
     TCase *pinch = tcase_create("pinch");
+    tcase_set_tags(pinch, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(pinch, 0);
     tcase_add_loop_test(pinch, what_is_pinched_rides_along_and_comes_out_untangled, 0, PRESS_COUNT);
     tcase_add_test(pinch, however_long_a_thin_plate_closes_nothing_gets_under_it);
-    tcase_add_test(pinch, a_pinch_is_the_same_for_one_thread_and_three);
     tcase_add_test(pinch, what_starts_between_overlapping_plates_drifts_to_their_middle_and_no_faster);
     tcase_add_test(pinch, bodies_that_leave_room_pinch_nothing);
     suite_add_tcase(suite, pinch);
+    TCase *threads = tcase_create("threads");
+    tcase_set_tags(threads, PERCALE_ANY_ENGINE);
+    tcase_set_timeout(threads, 0);
+    tcase_add_test(threads, a_pinch_is_the_same_for_one_thread_and_three);
+    suite_add_tcase(suite, threads);
     return percale_test_run(suite);
 }

@@ -283,6 +283,7 @@ int main(void)
 {
     Suite *suite = suite_create("rest");
     TCase *pop = tcase_create("pop");
+    tcase_set_tags(pop, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(pop, 0);
     tcase_add_loop_test(pop, half_a_thickness_from_an_obstacle_nothing_pops, 0, SPLIT_COUNT);
     tcase_add_loop_test(pop, half_a_thickness_from_another_cloth_nothing_pops, 0, SPLIT_COUNT);
@@ -290,6 +291,7 @@ int main(void)
     tcase_add_loop_test(pop, out_of_a_body_cloth_goes_no_faster_than_the_cap, 0, SPLIT_COUNT);
     suite_add_tcase(suite, pop);
     TCase *rest = tcase_create("rest");
+    tcase_set_tags(rest, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(rest, 0);
     tcase_add_loop_test(rest, a_minute_on_the_ground_is_rest, 0, SPLIT_COUNT);
     tcase_add_loop_test(rest, limp_cloth_rests_on_hills, 0, 2 * LIMP_COUNT);

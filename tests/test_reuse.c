@@ -166,6 +166,7 @@ int main(void)
 {
     Suite *suite = suite_create("reuse");
     TCase *reuse = tcase_create("reuse");
+    tcase_set_tags(reuse, PERCALE_ANY_ENGINE);
     tcase_set_timeout(reuse, 0);
     tcase_add_loop_test(reuse, the_state_is_that_of_detecting_anew_at_every_pass, 0, CASE_COUNT);
     tcase_add_test(reuse, a_bound_that_is_wrong_is_counted_where_all_is_found_anew);

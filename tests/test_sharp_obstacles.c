@@ -383,6 +383,7 @@ int main(void)
 {
     Suite *suite = suite_create("sharp_obstacles");
     TCase *sharp = tcase_create("sharp");
+    tcase_set_tags(sharp, PERCALE_ONE_THREAD);
     tcase_set_timeout(sharp, 0);
     tcase_add_loop_test(sharp, nothing_sharp_goes_through_the_cloth, 0, 4 * SHAPE_COUNT);
     tcase_add_loop_test(sharp, two_triangles_lie_on_many_nails, 0, 2);

@@ -502,6 +502,7 @@ int main(void)
 {
     Suite *suite = suite_create("sides_moving");
     TCase *sides = tcase_create("sides_moving");
+    tcase_set_tags(sides, PERCALE_ONE_THREAD);
     tcase_set_timeout(sides, 0);
     tcase_add_test(sides, a_fold_that_turns_all_the_way_round_keeps_its_flaps_apart);
     tcase_add_test(sides, strips_that_turn_through_parallel_stay_on_their_sides);

@@ -259,6 +259,7 @@ int main(int argc, char **argv)
     }
     Suite *suite = suite_create("violent");
     TCase *violent = tcase_create("violent");
+    tcase_set_tags(violent, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(violent, 0);
     tcase_add_loop_test(violent, what_is_thrown_together_ends_without_a_crossing, 0, 2);
     tcase_add_test(violent, without_the_guard_some_cross);
