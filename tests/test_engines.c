@@ -26,18 +26,25 @@ static uint64_t hash_of(const BenchScene *entry, const char *isa, int thread_cou
     return hash;
 }
 
+static void expect_hash(const BenchScene *entry, const char *isa, int thread_count, uint64_t expected)
+{
+    uint64_t hash = hash_of(entry, isa, thread_count);
+    ck_assert_msg(hash == expected, "%s, %s, %d threads: %016lx instead of %016lx", entry->name, isa,
+                  thread_count, (unsigned long)hash, (unsigned long)expected);
+}
+
 START_TEST(every_engine_and_thread_count_gives_one_hash)
 {
     static const char *const ISAS[] = {NULL, "sse2", "avx2", "avx512"};
-    static const int THREADS[] = {1, 2, 3, 7};
+    static const int THREADS = 3; // of each engine; the widest has others, too
     const BenchScene *entry = bench_scene((uint32_t)_i);
     ck_assert_ptr_nonnull(entry);
     uint64_t expected = hash_of(entry, "auto", 1);
+    expect_hash(entry, "auto", 2, expected);
+    expect_hash(entry, "auto", 7, expected);
     for (PercaleIsa isa = PERCALE_ISA_SSE2; isa <= PERCALE_ISA_AVX512; isa++) {
-        for (int t = 0; percale_engine_for(isa) != NULL && t < 4; t++) {
-            uint64_t hash = hash_of(entry, ISAS[isa], THREADS[t]);
-            ck_assert_msg(hash == expected, "%s, %s, %d threads: %016lx instead of %016lx", entry->name,
-                          ISAS[isa], THREADS[t], (unsigned long)hash, (unsigned long)expected);
+        if (percale_engine_for(isa) != NULL) {
+            expect_hash(entry, ISAS[isa], THREADS, expected);
         }
     }
 }

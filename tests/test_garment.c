@@ -1,6 +1,6 @@
 // test_garment.c: the mannequin and the dress: closed, clear of themselves and of each other, well sewn.
 //
-// PERCALE_TEST_SMALL in the environment leaves out the large dresses and most frames of the walk.
+// Sanitized builds leave out the large dresses and most frames of the walk.
 
 #include "mesh_topology.h"
 #include "percale/geometry.h"
@@ -25,11 +25,6 @@ static PercaleMesh body;
 static PercaleMesh dress;
 static uint32_t (*seams)[2];
 static uint32_t seam_count;
-
-static bool small_mode(void)
-{
-    return getenv("PERCALE_TEST_SMALL") != NULL; // NOLINT(concurrency-mt-unsafe): one thread
-}
 
 static bool make_dress(uint64_t size, float thickness, PercaleMesh *mesh, uint32_t (**pairs)[2],
                        uint32_t *pair_count, PercaleSceneError *error)
@@ -147,24 +142,52 @@ static bool is_part(Part *part, uint32_t vertex)
     return part((double)body.positions[3 * vertex], (double)body.positions[3 * vertex + 1]);
 }
 
-// Smallest distance of a point to the triangles whose first corner belongs to the part; NULL: all. Balls
-// around the triangles spare most of the work.
-static double distance_to_body(const float *positions, const double point[3], Part *part, double limit)
+/// The triangles of a part in a pose, each with a ball around it, which spares most of the work.
+typedef struct Ball {
+    double corners[3][3]; // m
+    double reach;         // m, around the first corner
+} Ball;
+
+typedef struct Balls {
+    Ball *list;
+    uint32_t count;
+} Balls;
+
+/// Of the triangles whose first corner belongs to the part; NULL: all.
+static Balls balls_of(const float *positions, Part *part)
 {
-    double best = limit;
+    Balls balls = {.list = calloc(body.triangle_count, sizeof(Ball))};
+    ck_assert_ptr_nonnull(balls.list);
     for (uint32_t t = 0; t < body.triangle_count; t++) {
         const uint32_t *v = body.triangles + 3 * (size_t)t;
         if (part && !is_part(part, v[0])) {
             continue;
         }
-        double x[4][3];
-        memcpy(x[0], point, sizeof x[0]);
+        Ball *ball = &balls.list[balls.count++];
         for (int k = 0; k < 3; k++) {
-            corner(positions, v[k], x[k + 1]);
+            corner(positions, v[k], ball->corners[k]);
         }
-        const double reach = fmax(distance_between(x[1], x[2]), distance_between(x[1], x[3]));
-        if (distance_between(x[0], x[1]) - reach < best) {
+        ball->reach = fmax(distance_between(ball->corners[0], ball->corners[1]),
+                           distance_between(ball->corners[0], ball->corners[2]));
+    }
+    return balls;
+}
+
+/// Smallest distance of a point to the triangles, if it is less than `limit`.
+static double distance_to_balls(const Balls *balls, const double point[3], double limit)
+{
+    double best = limit;
+    for (uint32_t i = 0; i < balls->count; i++) {
+        const Ball *ball = &balls->list[i];
+        const double far = best + ball->reach;
+        const double dx = point[0] - ball->corners[0][0];
+        const double dy = point[1] - ball->corners[0][1];
+        const double dz = point[2] - ball->corners[0][2];
+        if (dx * dx + dy * dy + dz * dz < far * far) {
+            double x[4][3];
             double weight[4];
+            memcpy(x[0], point, sizeof x[0]);
+            memcpy(x[1], ball->corners, sizeof ball->corners);
             best = fmin(best, percale_vertex_face_closest((const double(*)[3])x, weight));
         }
     }
@@ -174,13 +197,15 @@ static double distance_to_body(const float *positions, const double point[3], Pa
 static double part_distance(const float *positions, Part *from, Part *to, double limit)
 {
     double best = limit;
+    const Balls balls = balls_of(positions, to);
     for (uint32_t i = 0; i < body.vertex_count; i++) {
         if (is_part(from, i)) {
             double point[3];
             corner(positions, i, point);
-            best = distance_to_body(positions, point, to, best);
+            best = distance_to_balls(&balls, point, best);
         }
     }
+    free(balls.list);
     return best;
 }
 
@@ -338,7 +363,7 @@ END_TEST
 
 START_TEST(skin_never_crosses_itself)
 {
-    const int per_stride = small_mode() ? 3 : 6;
+    const int per_stride = PERCALE_SANITIZED ? 3 : 6;
     for (int i = 0; i <= per_stride * 2; i++) { // falling into the stride, then a whole one
         float *positions = pose_at(i * STRIDE / per_stride);
         const PercaleAuditMesh skin = {.positions = positions,
@@ -359,7 +384,7 @@ END_TEST
 START_TEST(limbs_keep_20_mm_from_each_other_and_from_the_trunk)
 {
     static const double APART = 0.020; // m
-    const int per_stride = small_mode() ? 2 : 6;
+    const int per_stride = PERCALE_SANITIZED ? 2 : 6;
     double legs = 1.0;
     double arms = 1.0;
     for (int i = 0; i <= per_stride; i++) {
@@ -381,7 +406,7 @@ END_TEST
 START_TEST(dress_has_the_asked_number_of_vertices)
 {
     static const uint64_t SIZES[] = {1000, 5000, 7777, 20000, 100000, 1000000};
-    const size_t count = sizeof SIZES / sizeof *SIZES - (small_mode() ? 2 : 0);
+    const size_t count = sizeof SIZES / sizeof *SIZES - (PERCALE_SANITIZED ? 2 : 0);
     for (size_t i = 0; i < count; i++) {
         PercaleMesh mesh;
         PercaleSceneError error;
@@ -503,14 +528,16 @@ static void check_clearance(const PercaleMesh *mesh, uint32_t step)
     double nearest = 1.0;
     uint32_t close_count = 0;
     uint32_t seen = 0;
+    const Balls balls = balls_of(body.positions, NULL);
     for (uint32_t i = 0; i < mesh->vertex_count; i += step) {
         double point[3];
         corner(mesh->positions, i, point);
-        const double distance = distance_to_body(body.positions, point, NULL, 0.01);
+        const double distance = distance_to_balls(&balls, point, 0.01);
         nearest = fmin(nearest, distance);
         close_count += distance <= 1.5 * (double)THICKNESS;
         seen++;
     }
+    free(balls.list);
     const double share = (double)close_count / seen;
     (void)printf("dress of %u: nearest %.2f mm, %.0f %% within 1.5 thicknesses, digest %016llx\n",
                  mesh->vertex_count, 1e3 * nearest, 1e2 * share, (unsigned long long)digest(mesh));
@@ -520,13 +547,13 @@ static void check_clearance(const PercaleMesh *mesh, uint32_t step)
 
 START_TEST(dress_starts_clear_of_the_body_and_close_to_it)
 {
-    check_clearance(&dress, small_mode() ? 7 : 2);
+    check_clearance(&dress, PERCALE_SANITIZED ? 7 : 2);
     PercaleMesh fine;
     PercaleSceneError error;
     uint32_t(*pairs)[2];
     uint32_t pair_count;
     ck_assert(make_dress(20000, THICKNESS, &fine, &pairs, &pair_count, &error));
-    check_clearance(&fine, small_mode() ? 29 : 11);
+    check_clearance(&fine, PERCALE_SANITIZED ? 29 : 11);
     percale_mesh_free(&fine);
     free(pairs);
 }
@@ -595,6 +622,7 @@ int main(void)
 {
     Suite *suite = suite_create("garment");
     TCase *figure = tcase_create("mannequin");
+    tcase_set_tags(figure, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_add_unchecked_fixture(figure, make_both, free_both);
     tcase_set_timeout(figure, 60);
     tcase_add_test(figure, body_is_one_closed_surface_without_handles);
@@ -609,6 +637,7 @@ int main(void)
     tcase_add_test(figure, limbs_keep_20_mm_from_each_other_and_from_the_trunk);
     suite_add_tcase(suite, figure);
     TCase *garment = tcase_create("dress");
+    tcase_set_tags(garment, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_add_unchecked_fixture(garment, make_both, free_both);
     tcase_set_timeout(garment, 60);
     tcase_add_test(garment, dress_has_the_asked_number_of_vertices);

@@ -337,6 +337,7 @@ int main(void)
 {
     Suite *suite = suite_create("layered garments");
     TCase *begin = tcase_create("start");
+    tcase_set_tags(begin, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(begin, 0.0);
     tcase_add_test(begin, a_dress_a_jacket_and_a_coat_start_without_a_crossing);
     tcase_add_test(begin, they_start_apart_from_each_other_and_from_the_body);
@@ -345,6 +346,7 @@ int main(void)
     tcase_add_test(begin, push_tucks_the_jacket_into_the_dress_but_not_into_the_body);
     tcase_add_test(begin, push_leaves_the_rest_shape_and_what_is_above_the_hips);
     TCase *walk = tcase_create("walk");
+    tcase_set_tags(walk, PERCALE_ANY_ENGINE);
     tcase_set_timeout(walk, 0.0);
     tcase_add_test(walk, only_a_pushed_jacket_is_born_crossed);
     tcase_add_test(walk, they_end_the_same_for_any_number_of_threads);
