@@ -1,64 +1,13 @@
-// Laws of candidates and of the guard of pairs: however things move, every pair in reach is visited; what
-// moves together spends nothing, what moves spends its own; and nothing goes through.
+// Laws of candidates: however things move, every pair in reach is visited; what moves together spends
+// nothing, and what moves spends its own.
 
-#include "detect/passage.h"
-#include "finish/pair_guard.h"
-#include "pairs_testing.h"
 #include "percale/geometry.h"
+#include "sheets_testing.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 12, MIDDLE_SIDE = 14, LARGE_SIDE = 20, SHEETS = 2, STEPS = 24, PILE = 8 };
-static const float EDGE = 0.02f; // m
-
-/// Sheets, each 12 mm above the one before, of so many vertices a side.
-typedef struct Sheets {
-    PercaleSolver *solver;
-    PercaleMesh mesh;
-    PercaleModel *model;
-    PercaleCandidates *candidates;
-    uint64_t seed;
-} Sheets;
-
-static void open_pile(Sheets *sheets, uint32_t side, int count)
-{
-    PercaleSolverDef def = percale_solver_def_default();
-    def.self_collision = def.edge_edge = 1;
-    sheets->solver = percale_test_solver(def);
-    sheets->mesh = percale_test_sheet(side, EDGE * (float)(side - 1));
-    sheets->seed = 11;
-    for (int s = 0; s < count; s++) {
-        (void)percale_test_add_cloth(sheets->solver, &sheets->mesh);
-        percale_test_translate(&sheets->mesh, 0.003f, 0.012f, 0.004f);
-    }
-    PERCALE_TEST_OK(sheets->solver, percale_solver_prepare(sheets->solver));
-    sheets->model = &sheets->solver->model;
-    sheets->candidates = &sheets->solver->candidates;
-}
-
-static void open_sheets(Sheets *sheets, uint32_t side)
-{
-    open_pile(sheets, side, SHEETS);
-}
-
-static void close_sheets(Sheets *sheets)
-{
-    percale_solver_destroy(sheets->solver);
-    percale_mesh_free(&sheets->mesh);
-}
-
-/// Every predicted position moves by `all` and, at random, by up to `each`.
-static void move(Sheets *sheets, f32x4 all, float each)
-{
-    for (uint32_t i = 0; i < sheets->model->slot_count; i++) {
-        f32x4 by = all;
-        for (int axis = 0; axis < 3; axis++) {
-            by[axis] += each * (float)(2.0 * percale_test_random(&sheets->seed) - 1.0);
-        }
-        sheets->model->predicted[i] += with_w(by, 0.0f);
-    }
-}
+enum { MIDDLE_SIDE = 14, LARGE_SIDE = 20, STEPS = 24 };
 
 static void start_here(Sheets *sheets)
 {
@@ -128,47 +77,6 @@ static Visited visit(Sheets *sheets, bool edges, const uint8_t *touched)
     ck_assert(collector->complete);
     sheets->solver->detect_memory.bytes += collector->memory.bytes;
     return visited;
-}
-
-/// All pairs of a kind, one after the other: vertices and faces, or edges with those after them.
-typedef struct AllPairs {
-    const PercaleModel *model;
-    bool edges;
-    uint32_t item, primitive; // of the next one
-} AllPairs;
-
-/// The points of the next pair that shares none. False when there is no other.
-static bool next_pair(AllPairs *all, uint32_t points[4])
-{
-    const PercaleModelSurface *cloth = &all->model->cloth;
-    uint32_t item_count = all->edges ? cloth->edges.edge_count : all->model->slot_count;
-    uint32_t primitive_count = all->edges ? cloth->edges.edge_count : cloth->triangle_count;
-    while (all->item < item_count) {
-        uint32_t primitive = all->primitive++;
-        if (primitive >= primitive_count) {
-            all->item++;
-            all->primitive = all->edges ? all->item + 1 : 0;
-            continue;
-        }
-        if (all->edges) {
-            memcpy(points, cloth->edges.vertices[all->item], 2 * sizeof(uint32_t));
-            memcpy(points + 2, cloth->edges.vertices[primitive], 2 * sizeof(uint32_t));
-        } else {
-            points[0] = all->item;
-            memcpy(points + 1, cloth->triangles + 3 * (size_t)primitive, 3 * sizeof(uint32_t));
-        }
-        bool own = points[2] == points[0] || points[3] == points[0];
-        own = own || (all->edges ? points[2] == points[1] || points[3] == points[1] : points[1] == points[0]);
-        if (!own) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static AllPairs all_pairs(const PercaleModel *model, bool edges)
-{
-    return (AllPairs){model, edges, 0, edges ? 1 : 0};
 }
 
 /// All pairs of one kind within reach are visited. Returns their number.
@@ -416,32 +324,6 @@ START_TEST(blocks_reach_as_far_as_their_triangles)
 }
 END_TEST
 
-/// Whether a vertex and a face, or two edges, go through each other on their predicted ways.
-static bool do_pass(const PercaleModel *model, bool edges, const uint32_t points[4])
-{
-    Vec3 from[4];
-    Vec3 to[4];
-    for (int k = 0; k < 4; k++) {
-        from[k] = vec3_of(model->position[points[k]]);
-        to[k] = vec3_of(model->predicted[points[k]]);
-    }
-    PercalePassage passage;
-    return edges ? percale_edges_pass(from, to, &passage) : percale_vertex_passes(from, to, &passage);
-}
-
-/// All passages of the predicted ways, by all pairs.
-static uint32_t count_passages(const PercaleModel *model)
-{
-    uint32_t count = 0;
-    uint32_t points[4];
-    for (int kind = 0; kind < 2; kind++) {
-        for (AllPairs all = all_pairs(model, kind == 1); next_pair(&all, points);) {
-            count += do_pass(model, kind == 1, points);
-        }
-    }
-    return count;
-}
-
 /// A sheet flies over another one, as low as half a millimetre, and beyond its rim, much farther than the
 /// margin; then it ends a little deeper: nothing is searched for again, and all that passes now is visited.
 START_TEST(ways_that_end_elsewhere_are_known)
@@ -476,111 +358,6 @@ START_TEST(ways_that_end_elsewhere_are_known)
 }
 END_TEST
 
-static PercalePairGuardStage pair_guard_of(Sheets *sheets, float dt)
-{
-    PercaleSolver *solver = sheets->solver;
-    return (PercalePairGuardStage){.model = sheets->model,
-                                   .candidates = sheets->candidates,
-                                   .dt = dt,
-                                   .collectors = &solver->collectors,
-                                   .passing = &solver->passing,
-                                   .memory = &solver->detect_memory,
-                                   .arena = &solver->arena,
-                                   .team = percale_team_alone()};
-}
-
-/// Of the new velocities, kg m/s.
-static void sum_momentum(const PercaleModel *model, double sum[3])
-{
-    memset(sum, 0, 3 * sizeof(double));
-    for (uint32_t i = 0; i < model->slot_count; i++) {
-        for (int axis = 0; axis < 3; axis++) {
-            sum[axis] += (double)model->next_velocity[i][axis] / (double)model->predicted[i][3];
-        }
-    }
-}
-
-/// Two sheets are thrown through each other, each vertex its own way: none of it happens, no momentum is made
-/// while pushing is enough, and the velocities are those of the ways.
-START_TEST(nothing_goes_through_however_it_is_thrown)
-{
-    static const float THROWS[][2] = {{0.004f, 0.001f}, {0.02f, 0.003f}, {0.05f, 0.02f}}; // m: common, each
-    const float dt = 1e-3f;
-    for (size_t t = 0; t < sizeof(THROWS) / sizeof(THROWS[0]); t++) {
-        Sheets sheets;
-        open_sheets(&sheets, SIDE);
-        PercaleModel *model = sheets.model;
-        move(&sheets, (f32x4){0}, THROWS[t][1]);
-        for (uint32_t i = 0; i < model->slot_count; i++) {
-            model->predicted[i][1] += model->cloth_of[i] == 0 ? 0.012f + THROWS[t][0] : 0.0f;
-            model->next_velocity[i] = with_w((model->predicted[i] - model->position[i]) / dt, 0.0f);
-        }
-        ck_assert_uint_gt(count_passages(model), 20);
-        PercalePairGuardStage stage = pair_guard_of(&sheets, dt);
-        PercalePairGuardCounts counts;
-        double before[3];
-        double after[3];
-        sum_momentum(model, before);
-        ck_assert(percale_pair_guard_run(&stage, &counts));
-        sum_momentum(model, after);
-        for (int axis = 0; t == 0 && axis < 3; axis++) {
-            ck_assert(fabs(after[axis] - before[axis]) <= 1e-5 * fabs(before[1]));
-        }
-        ck_assert_uint_gt(counts.pushed, 20);
-        ck_assert_uint_eq(counts.left, 0);
-        ck_assert_uint_eq(count_passages(model), 0);
-        for (uint32_t i = 0; i < model->slot_count; i++) {
-            f32x4 way = model->predicted[i] - model->position[i];
-            ck_assert(length3(with_w(way / dt - model->next_velocity[i], 0.0f)) < 1e-2f);
-        }
-        close_sheets(&sheets);
-    }
-}
-END_TEST
-
-/// Pins lead the lowest of a pile of sheets, 12 mm apart, through five of them toward the highest, which
-/// others hold: what is between them finds its place.
-START_TEST(what_pins_press_together_finds_its_place)
-{
-    const float dt = 1e-3f;
-    Sheets sheets;
-    open_pile(&sheets, SIDE / 2, PILE);
-    PercaleModel *model = sheets.model;
-    for (uint32_t i = 0; i < model->slot_count; i++) {
-        uint32_t cloth = model->cloth_of[i];
-        model->predicted[i][1] += cloth == 0 ? 0.06f : 0.0f;
-        model->predicted[i][3] *= cloth == 0 || cloth == PILE - 1 ? 0.0f : 1.0f;
-    }
-    ck_assert_uint_gt(count_passages(model), 20);
-    PercalePairGuardStage stage = pair_guard_of(&sheets, dt);
-    PercalePairGuardCounts counts;
-    ck_assert(percale_pair_guard_run(&stage, &counts));
-    ck_assert_uint_eq(counts.left, 0);
-    ck_assert_uint_eq(count_passages(model), 0);
-    close_sheets(&sheets);
-}
-END_TEST
-
-/// Pins lead one sheet through another that pins hold: nobody can help it, and it is said.
-START_TEST(what_only_pins_lead_through_each_other_is_counted)
-{
-    Sheets sheets;
-    open_sheets(&sheets, SIDE);
-    PercaleModel *model = sheets.model;
-    for (uint32_t i = 0; i < model->slot_count; i++) {
-        model->predicted[i][1] += model->cloth_of[i] == 0 ? 0.016f : 0.0f;
-        model->predicted[i][3] = 0.0f;
-    }
-    uint32_t passages = count_passages(model);
-    ck_assert_uint_gt(passages, 20);
-    PercalePairGuardStage stage = pair_guard_of(&sheets, 1e-3f);
-    PercalePairGuardCounts counts;
-    ck_assert(percale_pair_guard_run(&stage, &counts));
-    ck_assert_uint_eq(counts.left, passages);
-    close_sheets(&sheets);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("candidates");
@@ -594,9 +371,6 @@ int main(void)
     tcase_add_test(candidates, the_state_is_that_of_finding_all_anew_in_each_substep);
     tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
     tcase_add_test(candidates, ways_that_end_elsewhere_are_known);
-    tcase_add_test(candidates, nothing_goes_through_however_it_is_thrown);
-    tcase_add_test(candidates, what_only_pins_lead_through_each_other_is_counted);
-    tcase_add_test(candidates, what_pins_press_together_finds_its_place);
     suite_add_tcase(suite, candidates);
     return percale_test_run(suite);
 }
