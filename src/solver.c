@@ -349,7 +349,7 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
         complete =
             complete && percale_proximity_begin(&solver->proximities[o], model, &model->obstacles[o], memory);
     }
-    if (complete && model->cloth.triangle_count > 0) {
+    if (complete && model->cloth.edges.edge_count > 0) {
         bool edges = solver->def.edge_edge != 0;
         solver->may_be_crossed = true;
         bool cloth = solver->def.self_collision != 0;

@@ -324,6 +324,31 @@ START_TEST(blocks_reach_as_far_as_their_triangles)
 }
 END_TEST
 
+/// A flat sheet whose edges are as long as it is thick: what is near on the rest shape, too, is no pair
+/// before it comes nearer than it lies there. Those within the reach of what isn't near there are 84 a
+/// vertex.
+START_TEST(fine_cloth_is_no_candidate_of_its_own)
+{
+    PercaleSolverDef def = percale_solver_def_default();
+    def.self_collision = def.edge_edge = 1;
+    Sheets sheets = {.solver = percale_test_solver(def),
+                     .mesh = percale_test_sheet(LARGE_SIDE, EDGE * (LARGE_SIDE - 1))};
+    PercaleClothDef cloth = percale_test_cloth_def(&sheets.mesh);
+    cloth.material.thickness = EDGE;
+    PercaleCloth handle;
+    PERCALE_TEST_OK(sheets.solver, percale_cloth_add(sheets.solver, &cloth, &handle));
+    PERCALE_TEST_OK(sheets.solver, percale_solver_prepare(sheets.solver));
+    sheets.model = &sheets.solver->model;
+    sheets.candidates = &sheets.solver->candidates;
+    (void)keep(&sheets);
+    size_t count = percale_candidate_count(&sheets.candidates->lists[0]) +
+                   percale_candidate_count(&sheets.candidates->lists[1]);
+    ck_assert_uint_gt(count, 0);
+    ck_assert_uint_le(count, 34 * (size_t)sheets.model->slot_count);
+    close_sheets(&sheets);
+}
+END_TEST
+
 /// A sheet flies over another one, as low as half a millimetre, and beyond its rim, much farther than the
 /// margin; then it ends a little deeper: nothing is searched for again, and all that passes now is visited.
 START_TEST(ways_that_end_elsewhere_are_known)
@@ -370,6 +395,7 @@ int main(void)
     tcase_add_test(candidates, no_block_counts_from_a_moment_that_is_forgotten);
     tcase_add_test(candidates, the_state_is_that_of_finding_all_anew_in_each_substep);
     tcase_add_test(candidates, blocks_reach_as_far_as_their_triangles);
+    tcase_add_test(candidates, fine_cloth_is_no_candidate_of_its_own);
     tcase_add_test(candidates, ways_that_end_elsewhere_are_known);
     suite_add_tcase(suite, candidates);
     return percale_test_run(suite);

@@ -92,8 +92,8 @@ static bool has(const uint32_t *t, uint32_t vertex)
 /// vertex itself.
 static bool all_agree(const PercaleModel *model, const Pair *pair)
 {
-    for (uint32_t t = 0; t < model->triangle_count; t++) {
-        const uint32_t *corners = model->triangles[t];
+    for (uint32_t t = 0; t < model->cloth.triangle_count; t++) {
+        const uint32_t *corners = (model->cloth.triangles + 3 * (size_t)t);
         bool around = true;
         for (int k = 0; k < 3; k++) {
             around = around && (pair->b[k] == UINT32_MAX || has(corners, pair->b[k]));
@@ -197,24 +197,66 @@ static bool are_vertex_and_face_crossed(const PercaleModel *model, uint32_t vert
 static bool are_edges_crossed(const PercaleModel *model, const uint32_t *a, const uint32_t *b)
 {
     bool crossed = false;
-    for (uint32_t i = 0; i < model->triangle_count; i++) {
-        const uint32_t *t = model->triangles[i];
+    for (uint32_t i = 0; i < model->cloth.triangle_count; i++) {
+        const uint32_t *t = (model->cloth.triangles + 3 * (size_t)i);
         crossed = crossed || (has(t, a[0]) && has(t, a[1]) && do_cross(model, b, t)) ||
                   (has(t, b[0]) && has(t, b[1]) && do_cross(model, a, t));
     }
     return crossed;
 }
 
+enum { SLOTS = SHEETS * SIDE * SIDE };
+
+/// Shortest ways along edges at rest between all slots, m (Floyd and Warshall).
+typedef struct Ways {
+    double between[SLOTS][SLOTS];
+} Ways;
+
+static void find_ways(const PercaleModel *model, Ways *ways)
+{
+    ck_assert_uint_eq(model->slot_count, SLOTS);
+    for (int a = 0; a < SLOTS; a++) {
+        for (int b = 0; b < SLOTS; b++) {
+            ways->between[a][b] = a == b ? 0.0 : HUGE_VAL;
+        }
+    }
+    for (uint32_t e = 0; e < model->edge_count; e++) {
+        uint32_t a = slot_at(model->edges[e][0]);
+        uint32_t b = slot_at(model->edges[e][1]);
+        ways->between[a][b] = ways->between[b][a] = (double)model->edge_lengths[e];
+    }
+    for (int k = 0; k < SLOTS; k++) {
+        for (int a = 0; a < SLOTS; a++) {
+            for (int b = 0; b < SLOTS; b++) {
+                ways->between[a][b] = fmin(ways->between[a][b], ways->between[a][k] + ways->between[k][b]);
+            }
+        }
+    }
+}
+
+/// Reach of a pair: one and a half times its thickness, which is half the way between its features at most.
+static double reach_of(const PercaleModel *model, const Ways *ways, const Pair *pair)
+{
+    double nearest = HUGE_VAL;
+    for (int i = 0; i < 3 && pair->a[i] != UINT32_MAX; i++) {
+        for (int k = 0; k < 3 && pair->b[k] != UINT32_MAX; k++) {
+            nearest = fmin(nearest, ways->between[pair->a[i]][pair->b[k]]);
+        }
+    }
+    return 1.5 * fmin((double)model->cloths[0].thickness, 0.5 * nearest);
+}
+
 /// Features of a triangle that the vertex is in reach of.
-static void list_features(const PercaleModel *model, uint32_t vertex, uint32_t t, double reach, Found *found,
-                          PairList *list)
+static void list_features(const PercaleModel *model, uint32_t vertex, uint32_t t, const Ways *ways,
+                          Found *found, PairList *list)
 {
     PercaleSurface surface = {&model->cloth, NULL, model->predicted, NULL};
-    const uint32_t *corners = model->triangles[t];
+    const uint32_t *corners = (model->cloth.triangles + 3 * (size_t)t);
     PercaleClosest closest[CLOSEST_MOST];
     int count = closest_of(model, vertex, corners, closest);
     for (int i = 0; i < count; i++) {
         Pair pair = feature_pair(vertex, corners, closest[i].region);
+        double reach = reach_of(model, ways, &pair);
         bool crossed =
             closest[i].region == REGION_FACE && are_vertex_and_face_crossed(model, vertex, corners);
         if (!crossed && closest[i].distance2 <= reach * reach && closest[i].distance2 >= MEETING * MEETING &&
@@ -225,20 +267,20 @@ static void list_features(const PercaleModel *model, uint32_t vertex, uint32_t t
     }
 }
 
-static void list_vertex_pairs(const PercaleModel *model, double reach, PairList *list)
+static void list_vertex_pairs(const PercaleModel *model, const Ways *ways, PairList *list)
 {
     for (uint32_t vertex = 0; vertex < model->slot_count; vertex++) {
         Found found;
         found.count = 0;
-        for (uint32_t t = 0; t < model->triangle_count; t++) {
-            if (!has(model->triangles[t], vertex)) {
-                list_features(model, vertex, t, reach, &found, list);
+        for (uint32_t t = 0; t < model->cloth.triangle_count; t++) {
+            if (!has((model->cloth.triangles + 3 * (size_t)t), vertex)) {
+                list_features(model, vertex, t, ways, &found, list);
             }
         }
     }
 }
 
-static void list_edge_pairs(const PercaleModel *model, double reach, PairList *list)
+static void list_edge_pairs(const PercaleModel *model, const Ways *ways, PairList *list)
 {
     const PercaleEdges *edges = &model->cloth.edges;
     for (uint32_t e = 0; e < edges->edge_count; e++) {
@@ -258,8 +300,10 @@ static void list_edge_pairs(const PercaleModel *model, double reach, PairList *l
             }
             double distance = percale_edge_edge_closest((const double(*)[3])x, weights);
             bool inside = weights[0] > 1e-6 && weights[1] > 1e-6 && weights[2] < -1e-6 && weights[3] < -1e-6;
-            if (inside && distance >= MEETING && distance <= reach && !are_edges_crossed(model, a, b)) {
-                add_pair(list, (Pair){{a[0], a[1], UINT32_MAX}, {b[0], b[1], UINT32_MAX}});
+            const Pair pair = {{a[0], a[1], UINT32_MAX}, {b[0], b[1], UINT32_MAX}};
+            if (inside && distance >= MEETING && distance <= reach_of(model, ways, &pair) &&
+                !are_edges_crossed(model, a, b)) {
+                add_pair(list, pair);
             }
         }
     }
@@ -293,14 +337,14 @@ static void list_stencils(const PercaleModel *model, const PercaleStencilList *s
 }
 
 /// Two crumpled sheets in one place; sometimes flat on a grid, so that features are parallel or in a line.
-static void crumple(PercaleModel *model, int round, uint64_t *seed)
+static void crumple(PercaleModel *model, bool on_grid, uint64_t *seed)
 {
     for (uint32_t i = 0; i < model->slot_count; i++) {
         f32x4 x = model->position[i];
         for (int axis = 0; axis < 3; axis++) {
             double random = 2.0 * percale_test_random(seed) - 1.0;
             double step = (double)WIDTH / (4.0 * (SIDE - 1));
-            x[axis] += (float)(round % 4 == 0 ? step * floor(2.0 * random) : 0.03 * random);
+            x[axis] += (float)(on_grid ? step * floor(2.0 * random) : 0.03 * random);
         }
         model->position[i] = model->predicted[i] = x;
     }
@@ -332,32 +376,50 @@ static void find_pairs(PercaleSolver *solver, PairList *list)
     ck_assert_uint_eq(counts.vertex_face + counts.edge_edge, solver->stencils.count);
 }
 
+/// Two in one place, whose edges are a little shorter at rest.
+static void add_sheets(PercaleSolver *solver, float thickness)
+{
+    PercaleMesh mesh = percale_test_sheet(SIDE, WIDTH);
+    PercaleMesh rest = percale_test_sheet(SIDE, 0.97f * WIDTH);
+    PercaleClothDef def = percale_test_cloth_def(&mesh);
+    def.rest_positions = rest.positions;
+    def.material.thickness = thickness;
+    for (int s = 0; s < SHEETS; s++) {
+        PercaleCloth cloth;
+        PERCALE_TEST_OK(solver, percale_cloth_add(solver, &def, &cloth));
+    }
+    PERCALE_TEST_OK(solver, percale_solver_prepare(solver));
+    percale_mesh_free(&mesh);
+    percale_mesh_free(&rest);
+}
+
+/// Of thin sheets, and of some that are thicker than their edges are long; these not on a grid, where too
+/// many edges are parallel: it is rounding then that says where they are closest.
 START_TEST(pairs_are_those_of_all_pairs)
 {
-    enum { ROUNDS = PERCALE_SANITIZED ? 30 : 1000 };
+    enum { ROUNDS = PERCALE_SANITIZED ? 30 : 500 };
+    static const float THICKNESSES[] = {0.0f, 0.03f}; // m; 0: the default
     PairList *found = malloc(sizeof(*found));
     PairList *expected = malloc(sizeof(*expected));
     PercaleSolverDef def = percale_solver_def_default();
     def.self_collision = def.edge_edge = 1;
     PercaleSolver *solver = percale_test_solver(def);
-    PercaleMesh mesh = percale_test_sheet(SIDE, WIDTH);
-    for (int s = 0; s < SHEETS; s++) {
-        (void)percale_test_add_cloth(solver, &mesh);
-    }
-    PERCALE_TEST_OK(solver, percale_solver_prepare(solver));
+    add_sheets(solver, THICKNESSES[_i]);
+    solver->candidates.margin = 0.0f; // nothing but what is within reach
+    Ways *ways = malloc(sizeof(*ways));
+    find_ways(&solver->model, ways);
     PercaleModel *model = &solver->model;
     f32x4 *flat = malloc(model->slot_count * sizeof(f32x4));
     memcpy(flat, model->position, model->slot_count * sizeof(f32x4));
-    double reach = (double)(CONTACT_REACH * model->cloths[0].thickness);
     uint64_t seed = 7;
     uint64_t total = 0;
     for (int round = 0; round < ROUNDS; round++) {
         memcpy(model->position, flat, model->slot_count * sizeof(f32x4));
-        crumple(model, round, &seed);
+        crumple(model, _i == 0 && round % 4 == 0, &seed);
         find_pairs(solver, found);
         expected->count = 0;
-        list_vertex_pairs(model, reach, expected);
-        list_edge_pairs(model, reach, expected);
+        list_vertex_pairs(model, ways, expected);
+        list_edge_pairs(model, ways, expected);
         qsort(expected->items, expected->count, sizeof(Pair), by_points);
         compare(found, expected, round);
         total += expected->count;
@@ -367,8 +429,8 @@ START_TEST(pairs_are_those_of_all_pairs)
     free(flat);
     free(found);
     free(expected);
+    free(ways);
     percale_solver_destroy(solver);
-    percale_mesh_free(&mesh);
 }
 END_TEST
 
@@ -499,7 +561,7 @@ int main(void)
     TCase *pairs = tcase_create("pairs");
     tcase_set_tags(pairs, PERCALE_ONE_THREAD);
     tcase_set_timeout(pairs, 0);
-    tcase_add_test(pairs, pairs_are_those_of_all_pairs);
+    tcase_add_loop_test(pairs, pairs_are_those_of_all_pairs, 0, 2);
     tcase_add_test(pairs, at_the_times_found_the_volume_is_zero_and_between_them_it_keeps_its_sign);
     tcase_add_test(pairs, points_that_only_move_along_have_no_time);
     tcase_add_test(pairs, near_slots_are_those_within_the_radius_along_edges);

@@ -20,7 +20,7 @@ enum { TEAM_COUNT = 4 };
 typedef struct Cloth {
     f32x4 position[SLOTS + GUARDS], velocity[SLOTS + GUARDS];
     f32x4 predicted[SLOTS + GUARDS], next_velocity[SLOTS + GUARDS];
-    uint32_t triangles[SLOTS][3], first_triangle[SLOTS + GUARDS + 1], slot_triangles[3 * SLOTS];
+    uint32_t triangles[3 * SLOTS], first_triangle[SLOTS + GUARDS + 1], slot_triangles[3 * SLOTS];
     PercaleModel model;
     bool windy;
     uint32_t bad; // what the stage has returned
@@ -44,9 +44,9 @@ static Cloth *copy_cloth(const Cloth *original, uint32_t count)
                                   .velocity = cloth->velocity,
                                   .predicted = cloth->predicted,
                                   .next_velocity = cloth->next_velocity,
-                                  .triangles = cloth->triangles,
-                                  .slot_first_triangle = cloth->first_triangle,
-                                  .slot_triangles = cloth->slot_triangles};
+                                  .cloth = {.triangles = cloth->triangles,
+                                            .vertex_first_face = cloth->first_triangle,
+                                            .vertex_faces = cloth->slot_triangles}};
     return cloth;
 }
 
@@ -64,7 +64,7 @@ static Cloth *new_cloth(uint64_t seed)
         cloth->first_triangle[i] = i < SLOTS ? i : SLOTS;
         if (i < SLOTS) {
             cloth->slot_triangles[i] = i / 3;
-            cloth->triangles[i / 3][i % 3] = i;
+            cloth->triangles[i] = i;
         }
     }
     cloth->first_triangle[SLOTS + GUARDS] = SLOTS;
@@ -156,9 +156,9 @@ static Cloth *shift_cloth(const Cloth *original)
     cloth->model.velocity += SHIFT;
     cloth->model.predicted += SHIFT;
     cloth->model.next_velocity += SHIFT;
-    cloth->model.slot_first_triangle += SHIFT;
+    cloth->model.cloth.vertex_first_face += SHIFT;
     for (uint32_t i = SHIFT; i < SLOTS; i++) {
-        cloth->triangles[i / 3][i % 3] -= SHIFT;
+        cloth->triangles[i] -= SHIFT;
     }
     return cloth;
 }

@@ -206,7 +206,7 @@ START_TEST(a_fold_that_turns_all_the_way_round_keeps_its_flaps_apart)
     for (int frame = 1; frame <= FRAMES; frame++) {
         double angle = 2.0 * PI * frame / FRAMES;
         turn_pins(solver, &rig, 2, angle);
-        step(solver, frame, 30);
+        step(solver, frame, 20);
         check_flaps(solver, &rig, angle);
     }
     ck_assert_uint_eq(percale_solver_counters(solver).born_crossed, 0);

@@ -94,7 +94,7 @@ static void open_geodesic(Geodesic *geodesic, PercaleMesh mesh)
     find_triangles_around(geodesic);
     geodesic->input = (PercaleGeodesicMesh){mesh.vertex_count,
                                             mesh.triangle_count,
-                                            (const uint32_t(*)[3])(void *)mesh.triangles,
+                                            mesh.triangles,
                                             (const float(*)[3])geodesic->lengths,
                                             geodesic->first_triangle,
                                             geodesic->triangles_around};

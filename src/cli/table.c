@@ -36,6 +36,10 @@ void percale_table_print(const PercaleReport *report)
     (void)printf("\n%-28s %14.1f MB, %.0f bytes per cloth vertex\n", "peak memory",
                  (double)report->peak_bytes / MEGABYTE,
                  (double)report->peak_bytes / (double)report->vertices);
+    PercaleBytes bytes = report->bytes;
+    uint64_t held = bytes.model + bytes.detect + bytes.color + bytes.solve + bytes.arena;
+    (void)printf("%-28s %14.1f MB, %.0f bytes per cloth vertex\n", "held by the solver",
+                 (double)held / MEGABYTE, (double)held / (double)report->vertices);
     (void)printf("%-26s %016" PRIx64 "\n", "state hash", report->state_hash);
 }
 

@@ -7,7 +7,7 @@
 // Share of the mean edge by which candidates may be farther apart than in reach: more makes the lists longer,
 // less makes them anew more often. (Twice as much for blocks whose pairs don't last saves half of the
 // searches and costs as much in asking.)
-static const float MARGIN = 0.25f;
+static const float MARGIN = 0.2f;
 
 enum {
     BLOCK_SLOTS = 32,              // at most: where it bends, a larger block deviates more from its centre
@@ -126,7 +126,7 @@ static Items items_of(const PercaleCandidates *candidates, PercaleCandidateList 
 static void points_of_item(const Items *items, uint32_t place, uint32_t points[2])
 {
     const PercaleCandidateList *list = items->list;
-    uint32_t item = list->order != NULL ? list->order[place] : place;
+    uint32_t item = list->order != NULL ? list->order[place] : place; // the queries come last
     for (int k = 0; k < 2; k++) {
         points[k] = list->mesh->first_point + (items->edges ? list->mesh->edges.vertices[item][k] : item);
     }
@@ -155,9 +155,10 @@ static uint32_t end_of_block(const Items *items, uint32_t first)
 static bool open_list(PercaleCandidateList *list, PercaleMemory *memory)
 {
     list->first_item = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(uint32_t));
+    list->ends = percale_memory_new(memory, list->item_count, sizeof(uint32_t));
     list->pairs = percale_memory_new(memory, list->block_count, sizeof(list->pairs[0]));
     list->first_pair = percale_memory_new(memory, (size_t)list->block_count + 1, sizeof(size_t));
-    return list->first_item != NULL && list->pairs != NULL && list->first_pair != NULL;
+    return list->first_item != NULL && list->ends != NULL && list->pairs != NULL && list->first_pair != NULL;
 }
 
 /// Cuts a list into blocks, the first of which has this number.
@@ -222,31 +223,44 @@ static bool list_points(const Items *items, PercaleBlockLister *lister, PercaleM
     return complete;
 }
 
-static PercaleQuery query_of(const PercaleCandidates *candidates, const Items *items, uint32_t place)
+/// The thickness of an item of a list.
+static float thickness_of(const PercaleCandidates *candidates, const Items *items, uint32_t place)
 {
     const PercaleModel *model = candidates->model;
-    const PercaleModelSurface *mesh = items->list->mesh;
-    PercaleQuery query;
-    points_of_item(items, place, query.points);
-    bool is_cloth = mesh == &model->cloth;
-    float thickness = is_cloth ? model->cloths[model->cloth_of[query.points[0]]].thickness : mesh->thickness;
-    query.reach = widest_reach(thickness, candidates->thickest);
-    return query;
+    uint32_t points[2];
+    points_of_item(items, place, points);
+    return items->list->mesh == &model->cloth ? model->cloths[model->cloth_of[points[0]]].thickness
+                                              : items->list->mesh->thickness;
 }
 
 /// What the items of a list are asked as. False without memory.
 static bool list_queries(const PercaleCandidates *candidates, const Items *items, PercaleMemory *memory)
 {
-    PercaleQuery *queries = percale_memory_new(memory, items->count, sizeof(queries[0]));
-    items->list->queries = queries;
-    for (uint32_t place = 0; queries != NULL && place < items->count; place++) {
-        queries[place] = query_of(candidates, items, place);
-        items->list->widest = fmaxf(items->list->widest, queries[place].reach);
+    PercaleCandidateList *list = items->list;
+    float thinnest = INFINITY;
+    float thickest = 0.0f;
+    for (uint32_t place = 0; place < items->count; place++) {
+        float thickness = thickness_of(candidates, items, place);
+        thinnest = fminf(thinnest, thickness);
+        thickest = fmaxf(thickest, thickness);
     }
-    items->list->smooth = items->edges ? items->list->mesh->smooth_edges : NULL;
-    items->list->waiting =
-        items->list->smooth != NULL ? EDGES_WAIT / CONTACT_REACH * items->list->widest : items->list->widest;
-    return queries != NULL;
+    if (thinnest < thickest) {
+        list->reaches = percale_memory_new(memory, items->count, sizeof(float));
+        for (uint32_t place = 0; list->reaches != NULL && place < items->count; place++) {
+            list->reaches[place] = widest_reach(thickness_of(candidates, items, place), candidates->thickest);
+        }
+    }
+    list->widest = items->count > 0 ? widest_reach(thickest, candidates->thickest) : 0.0f;
+    list->smooth = items->edges ? list->mesh->smooth_edges : NULL;
+    list->waiting = list->smooth != NULL ? EDGES_WAIT / CONTACT_REACH * list->widest : list->widest;
+    list->queries = (PercaleQueries){
+        .edges = items->edges ? (const uint32_t(*)[2])list->mesh->edges.vertices : NULL,
+        .order = list->order,
+        .first_point = list->mesh->first_point,
+        .reaches = list->reaches,
+        .reach = list->widest,
+    };
+    return list->reaches != NULL || !(thinnest < thickest);
 }
 
 static bool create_blocks(PercaleCandidates *candidates, bool edges, PercaleBlockLister *lister,
@@ -329,15 +343,14 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
         PercaleCandidateList *list = &candidates->lists[i];
         for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
-            percale_memory_free(memory, list->pairs[b].items);
             percale_memory_free(memory, list->pairs[b].bounds);
-            percale_memory_free(memory, list->pairs[b].watched);
         }
         percale_memory_free(memory, list->pairs);
         percale_memory_free(memory, list->first_pair);
         percale_memory_free(memory, list->first_item);
+        percale_memory_free(memory, list->ends);
         percale_memory_free(memory, list->order);
-        percale_memory_free(memory, list->queries);
+        percale_memory_free(memory, list->reaches);
     }
     for (uint32_t o = 0; candidates->flats != NULL && o < candidates->model->obstacle_count; o++) {
         percale_flat_free(&candidates->flats[o], memory);

@@ -22,14 +22,14 @@ typedef struct Group {
 static void add_query(const Search *search, Group *group)
 {
     uint32_t k = group->count++;
-    const PercaleQuery *query = &search->list->queries[group->first + k];
-    const uint32_t *points = query->points;
+    const PercaleQuery query = query_at(&search->list->queries, group->first + k);
+    const uint32_t *points = query.points;
     const f32x4 *from = search->hood.from;
     const f32x4 *to = search->hood.to;
     f32x4 low = min4(min4(from[points[0]], from[points[1]]), min4(to[points[0]], to[points[1]]));
     f32x4 high = max4(max4(from[points[0]], from[points[1]]), max4(to[points[0]], to[points[1]]));
     for (int axis = 0; axis < 3; axis++) {
-        float slack = (query->reach + search->hood.wider) + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
+        float slack = (query.reach + search->hood.wider) + 1e-6f * (fabsf(low[axis]) + fabsf(high[axis]));
         low[axis] -= slack;
         high[axis] += slack;
     }
@@ -73,7 +73,7 @@ static void drop_earlier(const Search *search, const Group *group, PercaleNodeLi
 static bool list_touched(const Search *search, const Group *group, uint32_t k, PercaleCollector *collector)
 {
     const PercaleTree *tree = search->tree;
-    const PercaleQuery *query = &search->list->queries[group->first + k];
+    const PercaleQuery query = query_at(&search->list->queries, group->first + k);
     PercaleItemPairList *touched = &collector->touched;
     uint32_t first = asks_only_later(search) ? group->first + k + 1 : 0; // the cloth's are in their own order
     size_t most = touched->count + TREE_WIDTH * collector->nodes.count;
@@ -86,7 +86,7 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
         uint32_t bits = lane_bits(tree_box_overlaps(&tree->nodes[node], group->low[k], group->high[k]));
         for (; bits != 0; bits &= bits - 1) {
             uint32_t primitive = tree->order[TREE_WIDTH * node + (uint32_t)__builtin_ctz(bits)];
-            if (primitive >= first && !is_own(search, query, primitive)) {
+            if (primitive >= first && !is_own(search, &query, primitive)) {
                 touched->items[touched->count++] = (PercaleItemPair){group->first + k, primitive, 0.0f};
             }
         }
@@ -94,13 +94,66 @@ static bool list_touched(const Search *search, const Group *group, uint32_t k, P
     return true;
 }
 
-static bool are_sewn(const Search *search, const PercaleQuery *query, uint32_t primitive)
+/// Distance of a point and an edge at the ends of their ways, m; a point twice is one, too.
+static float to_edge(const f32x4 *x, uint32_t point, uint32_t a, uint32_t b)
+{
+    f32x4 along = x[b] - x[a];
+    f32x4 from = x[point] - x[a];
+    float length2 = dot3(along, along);
+    float t = length2 > 0.0f ? fminf(fmaxf(dot3(from, along) / length2, 0.0f), 1.0f) : 0.0f;
+    return length3(from - t * along);
+}
+
+/// How much farther apart two features of the cloth are than in reach of each other, m: less where they are
+/// near on the rest shape, too, than where they aren't. `way` is that between them.
+static float beyond_reach(const PercaleQuery *query, float distance, float way)
+{
+    return distance - fminf(query->reach, allowed_thickness(INFINITY, way) * 1.001f * CONTACT_REACH);
+}
+
+/// Whether two features of the cloth may come within a reach of their own before their block is searched
+/// again: an edge and another, or a vertex and one of a face's features, each of which is as thick as its
+/// nearest corner allows.
+static bool may_keep_apart(const Search *search, const PercaleQuery *query, const PercaleNeighbor *neighbor)
+{
+    const PercaleNear *near = &search->candidates->model->near;
+    const uint32_t *corners = search->hood.primitives + (size_t)search->hood.arity * neighbor->index;
+    const uint32_t *own = query->points;
+    float margin = search->hood.wider;
+    if (search->hood.arity == 2) {
+        return beyond_reach(query, neighbor->distance, near_features(near, own, 2, corners, 2)) <= margin;
+    }
+    float ways[3];
+    uint32_t far[3]; // corners, the farthest on the rest shape first
+    for (uint32_t k = 0; k < 3; k++) {
+        float way = near_distance(near, own[0], corners[k]);
+        uint32_t at = k;
+        for (; at > 0 && ways[at - 1] < way; at--) {
+            ways[at] = ways[at - 1];
+            far[at] = far[at - 1];
+        }
+        ways[at] = way;
+        far[at] = corners[k];
+    }
+    const float SLACK = 0.99f; // what float32 may be wrong by
+    const f32x4 *x = search->hood.to;
+    return beyond_reach(query, neighbor->distance, ways[2]) <= margin ||
+           beyond_reach(query, SLACK * to_edge(x, own[0], far[0], far[1]), ways[1]) <= margin ||
+           beyond_reach(query, SLACK * to_edge(x, own[0], far[0], far[0]), ways[0]) <= margin;
+}
+
+/// Whether a neighbour is no pair after all.
+static bool is_no_pair(const Search *search, const PercaleNeighbor *neighbor)
 {
     const PercaleModel *model = search->candidates->model;
+    const PercaleQuery query = query_at(&search->list->queries, neighbor->place);
+    if (search->list->mesh != &model->cloth) {
+        return false;
+    }
     uint32_t arity = search->hood.arity;
-    return search->list->mesh == &model->cloth &&
-           percale_candidates_are_sewn(model, query->points,
-                                       search->hood.primitives + (size_t)arity * primitive, arity);
+    return percale_candidates_are_sewn(model, query.points,
+                                       search->hood.primitives + (size_t)arity * neighbor->index, arity) ||
+           (!neighbor->may_pass && !search->hood.all_near && !may_keep_apart(search, &query, neighbor));
 }
 
 /// Keeps the neighbours of an item, ascending.
@@ -117,7 +170,7 @@ static void keep_neighbors(const Search *search, PercaleCollector *collector)
     }
     for (size_t i = 0; i < found->count; i++) {
         const PercaleNeighbor *neighbor = &found->items[i];
-        if (!are_sewn(search, &search->list->queries[neighbor->place], neighbor->index)) {
+        if (!is_no_pair(search, neighbor)) {
             percale_collect_pair(collector,
                                  (PercaleItemPair){neighbor->place, neighbor->index, neighbor->distance});
         }
@@ -142,7 +195,7 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     for (uint32_t k = 0; complete && collector->nodes.count > 0 && k < group.count; k++) {
         complete = list_touched(search, &group, k, collector);
     }
-    complete = complete && percale_neighbors_find(&search->hood, search->list->queries, touched->items,
+    complete = complete && percale_neighbors_find(&search->hood, &search->list->queries, touched->items,
                                                   touched->count, &collector->memory, found);
     collector->candidates += touched->count;
     collector->neighbors = (PercaleNeighborList){.items = found->items};
@@ -152,18 +205,29 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     return complete;
 }
 
-/// Room for that many pairs, and for some more when there was none: a block's count goes up and down.
-static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, PercaleMemory *memory)
+/// Room for that many pairs, and for some more when there was none: a block's count goes up and down. What
+/// was there is forgotten.
+static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, bool watched, PercaleMemory *memory)
 {
-    if (count > pairs->capacity) {
-        count += count / 8 + 8;
-    } else {
-        count = pairs->capacity;
+    pairs->count = 0;
+    pairs->lost = 0.0f;
+    if (count <= pairs->capacity) {
+        return true;
     }
-    return percale_memory_reserve(memory, &pairs->items, &pairs->capacity, count, sizeof(pairs->items[0])) &&
-           percale_memory_reserve(memory, &pairs->bounds, &pairs->bound_capacity, count,
-                                  sizeof(pairs->bounds[0])) &&
-           percale_memory_reserve(memory, &pairs->watched, &pairs->watched_capacity, count, 1);
+    size_t capacity = count + count / 8 + 8;
+    size_t size = sizeof(pairs->bounds[0]) + sizeof(pairs->distances[0]) + sizeof(pairs->primitives[0]) +
+                  (watched ? sizeof(pairs->watched[0]) : 0);
+    percale_memory_free(memory, pairs->bounds);
+    *pairs = (PercaleBlockPairs){0};
+    pairs->bounds = capacity <= UINT32_MAX ? percale_memory_new(memory, capacity, size) : NULL;
+    if (pairs->bounds == NULL) {
+        return false;
+    }
+    pairs->distances = pairs->bounds + capacity;
+    pairs->primitives = (uint32_t *)(void *)(pairs->distances + capacity);
+    pairs->watched = watched ? (uint8_t *)(pairs->primitives + capacity) : NULL;
+    pairs->capacity = (uint32_t)capacity;
+    return true;
 }
 
 /// Finds the pairs of a block's items.
@@ -178,20 +242,26 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
     for (uint32_t i = list->first_item[b]; complete && i < end; i += TREE_WIDTH) {
         complete = find_group(search, collector, i, i + TREE_WIDTH < end ? i + TREE_WIDTH : end);
     }
-    size_t count = collector->pairs.count;
-    pairs->count = 0;
-    pairs->lost = 0.0f;
-    if (!complete || !collector->complete || !reserve_pairs(pairs, count, &collector->memory)) {
+    const PercaleItemPairList *found = &collector->pairs;
+    if (!complete || !collector->complete ||
+        !reserve_pairs(pairs, found->count, list->smooth != NULL, &collector->memory)) {
         return false;
     }
     float since = candidates->bounded ? 0.0f : candidates->blocks.items[list->first_block + b].drifted;
     float ahead = list->widest - list->waiting;
-    for (size_t i = 0; i < count; i++) {
-        pairs->items[i] = collector->pairs.items[i];
-        pairs->watched[i] = 1; // as far as is known
-        pairs->bounds[i] = fminf(pairs->items[i].distance, search->farthest) - ahead - since;
+    for (uint32_t item = list->first_item[b]; item < end; item++) {
+        while (pairs->count < found->count && found->items[pairs->count].place == item) {
+            uint32_t i = pairs->count++;
+            float distance = found->items[i].distance;
+            pairs->primitives[i] = found->items[i].primitive;
+            pairs->distances[i] = distance;
+            pairs->bounds[i] = fminf(distance, search->farthest) - ahead - since;
+        }
+        list->ends[item] = pairs->count;
     }
-    pairs->count = count;
+    if (pairs->watched != NULL) {
+        memset(pairs->watched, 1, pairs->count); // as far as is known
+    }
     return true;
 }
 

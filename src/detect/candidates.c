@@ -169,19 +169,25 @@ PercaleNeighborhood percale_candidates_hood(const PercaleCandidates *candidates,
 typedef struct PairRange {
     const PercaleBlock *block;
     const PercaleBlockPairs *pairs;
-    size_t first, end;
+    const uint32_t *ends; // of the pairs of each place
+    uint32_t first_place; // of the first pair
+    uint32_t first, end;
 } PairRange;
 
 /// Takes those that are no farther apart than the reach, less what the block has moved since they were found.
 static void select_found(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
 {
-    const PercaleQuery *queries = visiting->candidates->lists[visiting->list].queries;
-    const PercaleItemPair *items = range->pairs->items;
+    const PercaleQueries *queries = &visiting->candidates->lists[visiting->list].queries;
+    const float *distances = range->pairs->distances;
+    uint32_t place = range->first_place;
     size_t selected = 0;
-    for (size_t i = range->first; i < range->end; i++) {
-        float reach = visiting->hood.only_passing ? 0.0f : queries[items[i].place].reach;
-        collector->numbers.items[selected] = (uint32_t)i;
-        selected += items[i].distance <= reach + range->block->moved;
+    for (uint32_t i = range->first; i < range->end; i++) {
+        while (range->ends[place] <= i) {
+            place++;
+        }
+        float reach = visiting->hood.only_passing ? 0.0f : query_at(queries, place).reach;
+        collector->numbers.items[selected] = i;
+        selected += distances[i] <= reach + range->block->moved;
     }
     collector->numbers.count = selected;
 }
@@ -199,15 +205,15 @@ static void select_bounded(const PercaleVisiting *visiting, const PairRange *ran
                  BOUND_ROUNDED * visiting->candidates->reach.far;
     uint32_t *numbers = collector->numbers.items;
     size_t selected = 0;
-    size_t i = range->first;
+    uint32_t i = range->first;
     for (; i + WIDE <= range->end; i += WIDE) {
         uint32_t bits = lane_bits(at_most8(load8(bounds + i), all8(most)));
         for (; bits != 0; bits &= bits - 1) {
-            numbers[selected++] = (uint32_t)i + (uint32_t)__builtin_ctz(bits);
+            numbers[selected++] = i + (uint32_t)__builtin_ctz(bits);
         }
     }
     for (; i < range->end; i++) {
-        numbers[selected] = (uint32_t)i;
+        numbers[selected] = i;
         selected += bounds[i] <= most;
     }
     collector->numbers.count = selected;
@@ -218,24 +224,36 @@ static bool is_bounded(const PercaleVisiting *visiting)
     return visiting->candidates->bounded && !visiting->hood.all_near;
 }
 
-/// Drops the selected pairs without a touched point.
-static void drop_untouched(const PercaleVisiting *visiting, const PairRange *range,
-                           PercaleCollector *collector)
+/// Whether a pair has a touched point.
+static bool is_touched(const PercaleVisiting *visiting, const PercaleItemPair *pair)
 {
-    const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     const uint8_t *touched = visiting->touched;
-    uint32_t *numbers = collector->numbers.items;
     uint32_t arity = visiting->hood.arity;
+    const PercaleQuery query = query_at(&visiting->candidates->lists[visiting->list].queries, pair->place);
+    const uint32_t *corners = visiting->hood.primitives + (size_t)arity * pair->primitive;
+    return (touched[query.points[0]] | touched[query.points[1]] | touched[corners[0]] | touched[corners[1]] |
+            touched[corners[arity - 1]]) != 0;
+}
+
+/// The selected pairs as the collector's `touched`; of those only, where that is asked for, that have a
+/// touched point.
+static void name_pairs(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
+{
+    const PercaleBlockPairs *pairs = range->pairs;
+    uint32_t *numbers = collector->numbers.items;
+    uint32_t place = range->first_place;
     size_t kept = 0;
-    for (size_t i = 0; i < collector->numbers.count; i++) {
-        const PercaleItemPair *pair = &range->pairs->items[numbers[i]];
-        const uint32_t *points = list->queries[pair->place].points;
-        const uint32_t *corners = visiting->hood.primitives + (size_t)arity * pair->primitive;
-        numbers[kept] = numbers[i];
-        kept += (touched[points[0]] | touched[points[1]] | touched[corners[0]] | touched[corners[1]] |
-                 touched[corners[arity - 1]]) != 0;
+    for (size_t k = 0; k < collector->numbers.count; k++) {
+        uint32_t i = numbers[k];
+        while (range->ends[place] <= i) {
+            place++;
+        }
+        PercaleItemPair pair = {place, pairs->primitives[i], pairs->distances[i]};
+        numbers[kept] = i;
+        collector->touched.items[kept] = pair;
+        kept += visiting->touched == NULL || is_touched(visiting, &pair);
     }
-    collector->numbers.count = kept;
+    collector->numbers.count = collector->touched.count = kept;
 }
 
 /// Those of the pairs that can be within reach of each other now, as the collector's `touched`. False without
@@ -245,7 +263,6 @@ static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range
     PercaleItemPairList *touched = &collector->touched;
     PercaleNodeList *numbers = &collector->numbers;
     size_t most = range->end - range->first;
-    touched->count = 0;
     if (!percale_memory_reserve(&collector->memory, &numbers->items, &numbers->capacity, most,
                                 sizeof(numbers->items[0])) ||
         !percale_memory_reserve(&collector->memory, &touched->items, &touched->capacity, most,
@@ -257,13 +274,7 @@ static bool select_pairs(const PercaleVisiting *visiting, const PairRange *range
     } else {
         select_found(visiting, range, collector);
     }
-    if (visiting->touched != NULL) {
-        drop_untouched(visiting, range, collector);
-    }
-    touched->count = numbers->count;
-    for (size_t i = 0; i < numbers->count; i++) {
-        touched->items[i] = range->pairs->items[numbers->items[i]];
-    }
+    name_pairs(visiting, range, collector);
     return true;
 }
 
@@ -276,7 +287,8 @@ static void write_bounds(const PercaleVisiting *visiting, const PairRange *range
     for (size_t i = 0; i < collector->touched.count; i++) {
         uint32_t pair = collector->numbers.items[i];
         float distance = collector->touched.items[i].distance;
-        float ahead = range->pairs->watched[pair] ? list->widest - list->waiting : 0.0f;
+        bool waits = range->pairs->watched != NULL && !range->pairs->watched[pair];
+        float ahead = waits ? 0.0f : list->widest - list->waiting;
         range->pairs->bounds[pair] = (distance < far ? distance : far) - ahead + range->pairs->lost;
     }
 }
@@ -303,8 +315,7 @@ static void write_watched(const PercaleCandidateList *list, const PairRange *ran
     uint8_t *watched = range->pairs->watched;
     for (size_t i = 0; i < collector->touched.count; i++) {
         uint32_t place = collector->touched.items[i].place;
-        watched[collector->numbers.items[i]] =
-            !list->smooth[list->order != NULL ? list->order[place] : place];
+        watched[collector->numbers.items[i]] = !list->smooth[query_item(&list->queries, place)];
     }
     for (size_t i = 0; i < collector->found.count; i++) {
         const PercaleNeighbor *neighbor = &collector->found.items[i];
@@ -319,7 +330,7 @@ static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *colle
     PercaleNeighborList *found = &collector->found;
     found->count = 0;
     bool complete = select_pairs(visiting, range, collector) &&
-                    percale_neighbors_find(&visiting->hood, list->queries, touched->items, touched->count,
+                    percale_neighbors_find(&visiting->hood, &list->queries, touched->items, touched->count,
                                            &collector->memory, found);
     if (complete && list->smooth != NULL && is_bounded(visiting) && !visiting->none_waits) {
         drop_waiting(visiting, range, collector);
@@ -329,8 +340,8 @@ static void visit_pairs(const PercaleVisiting *visiting, PercaleCollector *colle
     collector->neighbors = (PercaleNeighborList){.items = found->items};
     while (collector->complete && percale_candidates_next(collector)) {
         uint32_t place = collector->neighbors.items[0].place;
-        visiting->visit(visiting->context, collector, &list->queries[place], place,
-                        list->order != NULL ? list->order[place] : place);
+        const PercaleQuery query = query_at(&list->queries, place);
+        visiting->visit(visiting->context, collector, &query, place, query_item(&list->queries, place));
     }
     if (collector->complete && list->smooth != NULL && !visiting->hood.only_passing) {
         write_watched(list, range, collector);
@@ -356,13 +367,43 @@ static uint32_t block_of_pair(const PercaleCandidateList *list, uint64_t pair)
     return low;
 }
 
-/// The first pair from this one on that begins an item.
-static size_t begin_of_item(const PercaleBlockPairs *pairs, size_t i)
+/// The place with that pair of the block's, or the block's last and 1.
+static uint32_t place_of_pair(const PercaleCandidateList *list, uint32_t b, uint32_t pair)
 {
-    while (i > 0 && i < pairs->count && pairs->items[i - 1].place == pairs->items[i].place) {
-        i++;
+    uint32_t low = list->first_item[b];
+    uint32_t high = list->first_item[b + 1];
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (list->ends[middle] <= pair) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
     }
-    return i;
+    return low;
+}
+
+/// The first pair of a place in those of its block.
+static uint32_t begin_of_place(const PercaleCandidateList *list, uint32_t b, uint32_t place)
+{
+    return place > list->first_item[b] ? list->ends[place - 1] : 0;
+}
+
+/// The pairs of the items of a block that begin among the pairs [first, end).
+static PairRange range_of(const PercaleCandidates *candidates, const PercaleCandidateList *list, uint32_t b,
+                          const uint32_t bounds[2])
+{
+    const PercaleBlockPairs *pairs = &list->pairs[b];
+    PairRange range = {&candidates->blocks.items[list->first_block + b], pairs, list->ends, 0, 0, 0};
+    uint32_t places[2];
+    for (int k = 0; k < 2; k++) {
+        places[k] = place_of_pair(list, b, bounds[k]);
+        places[k] += places[k] < list->first_item[b + 1] && begin_of_place(list, b, places[k]) < bounds[k];
+    }
+    range.first_place = places[0];
+    range.first = begin_of_place(list, b, places[0]);
+    range.end = begin_of_place(list, b, places[1]);
+    return range;
 }
 
 void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector *collector, uint64_t first,
@@ -371,31 +412,14 @@ void percale_candidates_visit(const PercaleVisiting *visiting, PercaleCollector 
     const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     uint32_t b = first < end ? block_of_pair(list, first) : list->block_count;
     for (; collector->complete && b < list->block_count && list->first_pair[b] < end; b++) {
-        const PercaleBlockPairs *pairs = &list->pairs[b];
-        size_t from = first > list->first_pair[b] ? first - list->first_pair[b] : 0;
-        size_t to = end - list->first_pair[b] < pairs->count ? end - list->first_pair[b] : pairs->count;
-        PairRange range = {&visiting->candidates->blocks.items[list->first_block + b], pairs,
-                           begin_of_item(pairs, from), begin_of_item(pairs, to)};
+        uint32_t count = list->pairs[b].count;
+        uint32_t from = first > list->first_pair[b] ? (uint32_t)(first - list->first_pair[b]) : 0;
+        uint32_t to = end - list->first_pair[b] < count ? (uint32_t)(end - list->first_pair[b]) : count;
+        PairRange range = range_of(visiting->candidates, list, b, (const uint32_t[2]){from, to});
         if (range.first < range.end) {
             visit_pairs(visiting, collector, &range);
         }
     }
-}
-
-/// The first pair whose place is not before this one.
-static size_t find_place(const PercaleBlockPairs *pairs, uint32_t place)
-{
-    size_t low = 0;
-    size_t high = pairs->count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (pairs->items[middle].place < place) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
 }
 
 void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleCollector *collector,
@@ -414,9 +438,12 @@ void percale_candidates_visit_place(const PercaleVisiting *visiting, PercaleColl
     if (b == list->block_count) {
         return;
     }
-    const PercaleBlockPairs *pairs = &list->pairs[b];
-    PairRange range = {&visiting->candidates->blocks.items[list->first_block + b], pairs,
-                       find_place(pairs, place), find_place(pairs, place + 1)};
+    PairRange range = {&visiting->candidates->blocks.items[list->first_block + b],
+                       &list->pairs[b],
+                       list->ends,
+                       place,
+                       begin_of_place(list, b, place),
+                       list->ends[place]};
     if (range.first < range.end) {
         visit_pairs(visiting, collector, &range);
     }

@@ -3,7 +3,7 @@
 //   in   trees over the cloth's triangles and edges, positions
 //   out  for each item (a vertex or an edge) the primitives of the cloth that it may come to touch
 //
-// They are found with a margin beyond the reach. Two features that were farther apart than that can't touch
+// They are found with a margin beyond the reach of each pair. Two features that were farther apart than that can't touch
 // as long as the difference of what their points have moved is smaller. Items that lie together are a block
 // (blocks.h), whose pairs were found at one moment; when something near it has moved against it by more than
 // the margin since then, its pairs are found anew, and those of no other block.
@@ -27,14 +27,15 @@ static const float CONTACT_REACH = 1.5f;
 // keep them apart. Once they have one they keep it within reach.
 static const float EDGES_WAIT = 0.9f;
 
-/// The pairs of a block, by item.
+/// The pairs of a block, by item, in one piece of memory that begins with the bounds.
 typedef struct PercaleBlockPairs {
-    PercaleItemPair *items;
     float
         *bounds; // m; when the blocks were last remembered, a pair was no nearer than this less what is lost
+    float *distances; // m, when they were found
+    uint32_t *primitives;
     uint8_t *watched; // who asked last wants to see the pair as long as it is within reach; else only when it
-                      // is nearer than pairs wait
-    size_t count, capacity, bound_capacity, watched_capacity;
+                      // is nearer than pairs wait; NULL: none waits
+    uint32_t count, capacity;
     float lost;
 } PercaleBlockPairs;
 
@@ -42,13 +43,15 @@ typedef struct PercaleBlockPairs {
 typedef struct PercaleCandidateList {
     const PercaleModelSurface *mesh; // whose vertices or edges the items are
     uint32_t *order;                 // [items] along a curve; NULL: all, as they are
-    PercaleQuery *queries;           // [items] by place
-    float widest;                    // m, the queries' largest reach
-    float waiting;                   // m; pairs that nobody watches are not wanted farther apart
+    float *reaches;                  // [items] by place, m; NULL: all have the widest
+    PercaleQueries queries;
+    float widest;          // m, the queries' largest reach
+    float waiting;         // m; pairs that nobody watches are not wanted farther apart
     const uint8_t *smooth; // [items] only pairs of these wait, others are watched always; NULL: none
     uint32_t item_count;
     uint32_t first_block, block_count;
     uint32_t *first_item;     // [block_count + 1] places in the order
+    uint32_t *ends;           // [items] by place: of its pairs in those of its block
     PercaleBlockPairs *pairs; // [block_count]
     size_t *first_pair;       // [block_count + 1] in a numbering of all
 } PercaleCandidateList;

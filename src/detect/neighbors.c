@@ -111,19 +111,19 @@ typedef struct Eight {
 } Eight;
 
 /// Names the first `count` of some pairs; in the place of others it repeats the first.
-static void name_eight(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+static void name_eight(const PercaleNeighborhood *hood, const PercaleQueries *queries,
                        const PercaleItemPair *pairs, size_t count, Eight *eight)
 {
     for (size_t k = 0; k < EIGHT; k++) {
         const PercaleItemPair *pair = &pairs[k < count ? k : 0];
-        const PercaleQuery *query = &queries[pair->place];
+        const PercaleQuery query = query_at(queries, pair->place);
         const uint32_t *corners = hood->primitives + (size_t)hood->arity * pair->primitive;
-        eight->own[0][k] = query->points[0];
-        eight->own[1][k] = query->points[1];
+        eight->own[0][k] = query.points[0];
+        eight->own[1][k] = query.points[1];
         eight->corners[0][k] = corners[0];
         eight->corners[1][k] = corners[1];
         eight->corners[2][k] = corners[hood->arity - 1];
-        eight->reach[k] = hood->only_passing ? 0.0f : query->reach + hood->wider;
+        eight->reach[k] = hood->only_passing ? 0.0f : query.reach + hood->wider;
     }
 }
 
@@ -241,7 +241,7 @@ static void ask_edges(const PercaleNeighborhood *hood, const Eight *eight, Asked
     ask_eight(hood, eight, 2, asked);
 }
 
-bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQueries *queries,
                             PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list)
 {

@@ -56,9 +56,35 @@ typedef struct PercaleQuery {
     float reach; // m
 } PercaleQuery;
 
+/// All items of one kind as queries, by their places in an order.
+typedef struct PercaleQueries {
+    const uint32_t (*edges)[2]; // NULL: the items are vertices
+    const uint32_t *order;      // item at each place; NULL: all, as they are
+    uint32_t first_point;       // of the mesh
+    const float *reaches;       // by place, m; NULL: that of all
+    float reach;                // m, the largest
+} PercaleQueries;
+
+static inline uint32_t query_item(const PercaleQueries *queries, uint32_t place)
+{
+    return queries->order != NULL ? queries->order[place] : place;
+}
+
+static inline PercaleQuery query_at(const PercaleQueries *queries, uint32_t place)
+{
+    uint32_t item = query_item(queries, place);
+    uint32_t ends[2] = {item, item};
+    if (queries->edges != NULL) {
+        ends[0] = queries->edges[item][0];
+        ends[1] = queries->edges[item][1];
+    }
+    return (PercaleQuery){{queries->first_point + ends[0], queries->first_point + ends[1]},
+                          queries->reaches != NULL ? queries->reaches[place] : queries->reach};
+}
+
 /// The neighbours among `count` pairs, in their order, appended to the list; each pair's distance becomes
-/// that of now. `queries`: by place. False without memory.
-bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQuery *queries,
+/// that of now. False without memory.
+bool percale_neighbors_find(const PercaleNeighborhood *hood, const PercaleQueries *queries,
                             PercaleItemPair *pairs, size_t count, PercaleMemory *memory,
                             PercaleNeighborList *list);
 

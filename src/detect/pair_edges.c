@@ -98,6 +98,7 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
                            const uint32_t edges[2], const uint32_t points[4], Keep keep, bool may_pass)
 {
     const uint64_t key = edge_key(edges[0], edges[1]);
+    keep = keep_at_rest(stage, keep, points, 2, points + 2, 2);
     EdgeView view = {.may_pass = may_pass};
     if (!view_edges(stage, points, &keep, false, &view) || is_born_crossed(stage, key)) {
         return;
@@ -110,8 +111,7 @@ static void find_edge_pair(const PercalePairStage *stage, PercaleCollector *coll
     }
     Push push = {.edges = true,
                  .normal = directed(&view, reference, (double)keep.thickness),
-                 .thickness =
-                     allowed(keep.thickness, percale_pair_rest_distance(stage, points, 2, points + 2, 2)),
+                 .thickness = keep.thickness,
                  .friction = keep.friction};
     memcpy(push.weights, view.weights, sizeof(push.weights));
     push.start_gap = do_agree(before, reference) ? vlength(before) : -vlength(before);

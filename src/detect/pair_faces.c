@@ -88,8 +88,7 @@ static void add_face(const PercalePairStage *stage, PercaleCollector *collector,
                  {weights[0], weights[1], weights[2], weights[3]},
                  vscale((double)side, view->unit),
                  side == view->start_side ? start : -start,
-                 allowed(view->keep.thickness,
-                         percale_pair_rest_distance(stage, view->points, 1, view->points + 1, 3)),
+                 view->keep.thickness,
                  view->keep.friction};
     percale_pair_add(stage, collector, view->points, &push);
     note_side(collector, view->points[0], triangle, side);
@@ -134,9 +133,13 @@ static bool sees_corner(const PercalePairStage *stage, uint32_t vertex, uint32_t
 }
 
 /// The points of the feature that a region names.
-static int feature_of(const FaceView *view, uint32_t feature[3])
+static uint32_t feature_of(const FaceView *view, uint32_t feature[3])
 {
     PercaleRegion region = view->closest.region;
+    if (region == REGION_FACE) {
+        memcpy(feature, view->points + 1, 3 * sizeof(feature[0]));
+        return 3;
+    }
     if (region >= REGION_CORNER_0) {
         feature[0] = view->points[1 + (uint32_t)(region - REGION_CORNER_0)];
         return 1;
@@ -153,21 +156,15 @@ static void add_rim(const PercalePairStage *stage, PercaleCollector *collector, 
                     double start)
 {
     uint32_t feature[3];
-    int count = feature_of(view, feature);
-    if (count == 1) { // a pair of vertices belongs to the first of them, if both see it
+    if (feature_of(view, feature) == 1) { // a pair of vertices belongs to the first of them, if both see it
         if (feature[0] < view->points[0] && sees_corner(stage, feature[0], view->points[0])) {
             return;
         }
         start = vlength(vsub(start_of(stage, view->points[0]), start_of(stage, feature[0])));
     }
     const double *b = view->closest.weights;
-    Push push = {
-        false,
-        {1.0, -b[0], -b[1], -b[2]},
-        {0.0, 0.0, 0.0},
-        start,
-        allowed(view->keep.thickness, percale_pair_rest_distance(stage, view->points, 1, feature, count)),
-        view->keep.friction};
+    Push push = {false, {1.0, -b[0], -b[1], -b[2]}, {0.0, 0.0, 0.0},
+                 start, view->keep.thickness,       view->keep.friction};
     Vec3 between = combine(stage, view->points, push.weights, false);
     if (vlength(between) <= NO_DIRECTION * (double)view->keep.thickness) {
         between = combine(stage, view->points, push.weights, true);
@@ -243,10 +240,15 @@ static void add_features(const PercalePairStage *stage, PercaleCollector *collec
         (void)keep_of(stage->model, vertex, cloth.mesh->triangles[3 * (size_t)feature.triangle], &keep);
         FaceView view = view_face(stage, vertex, feature.triangle, keep, false);
         view.closest = feature.closest;
+        const double *b = feature.closest.weights;
+        const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
+        uint32_t points[3];
+        view.keep = keep_at_rest(stage, keep, &vertex, 1, points, feature_of(&view, points));
+        if (!(view.distance <= percale_pair_reach(stage, &view.keep, view.points, weights))) {
+            continue;
+        }
         if (region == REGION_FACE && view.end_side != 0 &&
             !is_born_crossed(stage, face_key(vertex, feature.triangle))) {
-            const double *b = feature.closest.weights;
-            const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
             add_face(stage, collector, &view, feature.triangle, view.end_side, weights);
         } else if (region != REGION_FACE) {
             add_rim(stage, collector, &view, nearest_start(stage, vertex, list->items + first, end - first));
@@ -274,7 +276,10 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
         bool above = view.closest.region == REGION_FACE;
         bool born = is_born_crossed(stage, face_key(vertex, triangle));
-        if (!born && view.side_scale > 0.0 && (view.has_passed || (above && near))) {
+        view.keep = keep_at_rest(stage, keep, &vertex, 1, corners, 3);
+        bool in_reach =
+            above && near && view.distance <= percale_pair_reach(stage, &view.keep, view.points, weights);
+        if (!born && view.side_scale > 0.0 && (view.has_passed || in_reach)) {
             int side = side_of(stage, &view, triangle);
             if (side != 0 && side != view.end_side) {
                 add_face(stage, collector, &view, triangle, side, above ? weights : view.passage.weights);

@@ -52,19 +52,6 @@ const PercalePairNote *percale_pair_find_note(const PercaleNoteList *known, uint
     return low < known->count && known->items[low].key == key ? &known->items[low] : NULL;
 }
 
-float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *a, int a_count,
-                                 const uint32_t *b, int b_count)
-{
-    float nearest = INFINITY;
-    for (int i = 0; i < a_count; i++) {
-        for (int k = 0; k < b_count; k++) {
-            float distance = near_distance(&stage->model->near, a[i], b[k]);
-            nearest = distance < nearest ? distance : nearest;
-        }
-    }
-    return nearest;
-}
-
 Vec3 percale_pair_outward(const PercalePairStage *stage, const PercaleModelSurface *obstacle,
                           const uint32_t *faces, uint32_t count, uint32_t divisor)
 {

@@ -145,15 +145,14 @@ static inline bool is_born_crossed(const PercalePairStage *stage, uint64_t key)
     return stage->born.count > 0 && percale_pair_find_note(&stage->born, key) != NULL;
 }
 
-/// Shortest way on the rest shape between the vertices of two features, m; a lower bound.
-float percale_pair_rest_distance(const PercalePairStage *stage, const uint32_t *a, int a_count,
-                                 const uint32_t *b, int b_count);
-
-/// The thickness that a pair with this way between its features can keep, m: half of it at most.
-static inline float allowed(float thickness, float rest)
+/// What two features of the cloth keep to that are near each other on the rest shape. `a`, `b`: their
+/// vertices.
+static inline Keep keep_at_rest(const PercalePairStage *stage, Keep keep, const uint32_t *a, uint32_t a_count,
+                                const uint32_t *b, uint32_t b_count)
 {
-    float most = 0.5f * rest;
-    return most < thickness ? most : thickness;
+    keep.thickness =
+        allowed_thickness(keep.thickness, near_features(&stage->model->near, a, a_count, b, b_count));
+    return keep;
 }
 
 // ---- obstacles ----

@@ -15,7 +15,7 @@ typedef struct RestTriangle {
 static RestTriangle *gather_rest(const PercaleModel *model, const PercaleObjects *objects,
                                  PercaleMemory *memory)
 {
-    RestTriangle *rest = percale_memory_new(memory, model->triangle_count, sizeof(rest[0]));
+    RestTriangle *rest = percale_memory_new(memory, model->cloth.triangle_count, sizeof(rest[0]));
     if (rest == NULL) {
         return NULL;
     }
@@ -79,22 +79,23 @@ static void side_cotangents(const RestTriangle *triangle, uint32_t side, double 
 /// the energy D / 2 * |K x|^2 / (A0 + A1) is that of a plate bent to a cylinder (see MATH.md, section 5).
 static void add_hinge(PercaleModel *model, const RestTriangle *rest, const uint32_t sides[2])
 {
+    const uint32_t *triangles = model->cloth.triangles;
     uint32_t hinge[4];
     double weights[4] = {0.0, 0.0, 0.0, 0.0};
     double area_sum = 0.0;
-    hinge[0] = model->triangles[sides[0] / 3][sides[0] % 3];
-    hinge[1] = model->triangles[sides[0] / 3][next_corner(sides[0] % 3)];
+    hinge[0] = triangles[sides[0]];
+    hinge[1] = triangles[sides[0] / 3 * 3 + next_corner(sides[0] % 3)];
     for (int k = 0; k < 2; k++) {
         uint32_t triangle = sides[k] / 3;
         uint32_t corner = sides[k] % 3;
         double area = (double)model->triangle_areas[triangle];
         double cotangents[2];
         side_cotangents(&rest[triangle], corner, area, cotangents);
-        bool along = model->triangles[triangle][corner] == hinge[0];
+        bool along = triangles[sides[k]] == hinge[0];
         weights[0] += along ? cotangents[1] : cotangents[0];
         weights[1] += along ? cotangents[0] : cotangents[1];
         weights[2 + k] = -(cotangents[0] + cotangents[1]);
-        hinge[2 + k] = model->triangles[triangle][next_corner(next_corner(corner))];
+        hinge[2 + k] = triangles[3 * triangle + next_corner(next_corner(corner))];
         area_sum += area;
     }
     double stiffness = 0.5 * ((double)rest[sides[0] / 3].stiffness + (double)rest[sides[1] / 3].stiffness);
@@ -139,9 +140,9 @@ static bool build_hinges(PercaleModel *model, const PercaleEdges *edges, const R
 /// Tethers along the triangles' sides, as each has them at rest.
 static bool build_tethers(PercaleModel *model, const RestTriangle *rest, PercaleMemory *memory)
 {
-    float(*lengths)[3] = percale_memory_new(memory, model->triangle_count, sizeof(lengths[0]));
+    float(*lengths)[3] = percale_memory_new(memory, model->cloth.triangle_count, sizeof(lengths[0]));
     bool complete = lengths != NULL;
-    for (uint32_t t = 0; complete && t < model->triangle_count; t++) {
+    for (uint32_t t = 0; complete && t < model->cloth.triangle_count; t++) {
         memcpy(lengths[t], rest[t].lengths, sizeof(lengths[t]));
     }
     complete = complete && percale_tethers_build(model, (const float(*)[3])lengths, memory);
@@ -152,16 +153,15 @@ static bool build_tethers(PercaleModel *model, const RestTriangle *rest, Percale
 bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *objects, PercaleParts parts,
                                      PercaleMemory *memory)
 {
-    PercaleEdges edges;
+    PercaleModelSurface *cloth = &model->cloth;
     RestTriangle *rest = gather_rest(model, objects, memory);
-    bool complete = rest != NULL;
-    if (complete && percale_edges_build(&model->triangles[0][0], model->triangle_count, memory, &edges)) {
-        complete = build_edges(model, &edges, rest, memory) &&
-                   (!parts.bending || build_hinges(model, &edges, rest, memory)) &&
-                   (!parts.tethers || build_tethers(model, rest, memory));
-        percale_edges_free(&edges, memory);
-    } else {
-        complete = false;
+    bool complete = rest != NULL &&
+                    percale_edges_build(cloth->triangles, cloth->triangle_count, memory, &cloth->edges) &&
+                    build_edges(model, &cloth->edges, rest, memory) &&
+                    (!parts.bending || build_hinges(model, &cloth->edges, rest, memory)) &&
+                    (!parts.tethers || build_tethers(model, rest, memory));
+    if (!parts.pairs) {
+        percale_edges_free(&cloth->edges, memory);
     }
     percale_memory_free(memory, rest);
     return complete;

@@ -103,7 +103,7 @@ static double through_side(double ab, double bc, double ca, double da, double db
 /// What a settled vertex tells the two others of a triangle.
 static void spread(Front *front, uint32_t triangle, uint32_t corner)
 {
-    const uint32_t *corners = front->mesh->triangles[triangle];
+    const uint32_t *corners = front->mesh->triangles + 3 * (size_t)triangle;
     const float *lengths = front->mesh->lengths[triangle];
     uint32_t second = next_corner(corner);
     uint32_t third = next_corner(second);
@@ -130,7 +130,7 @@ static void spread_from(Front *front, uint32_t vertex)
     for (uint32_t i = mesh->vertex_first_triangle[vertex]; i < mesh->vertex_first_triangle[vertex + 1]; i++) {
         uint32_t triangle = mesh->vertex_triangles[i];
         for (uint32_t corner = 0; corner < 3; corner++) {
-            if (mesh->triangles[triangle][corner] == vertex) {
+            if (mesh->triangles[3 * (size_t)triangle + corner] == vertex) {
                 spread(front, triangle, corner);
             }
         }

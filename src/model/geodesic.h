@@ -15,7 +15,7 @@
 
 typedef struct PercaleGeodesicMesh {
     uint32_t vertex_count, triangle_count;
-    const uint32_t (*triangles)[3];
+    const uint32_t *triangles;             // [3 * triangle_count]
     const float (*lengths)[3];             // [triangle_count] m at rest; side k from corner k to the next
     const uint32_t *vertex_first_triangle; // [vertex_count + 1] into vertex_triangles
     const uint32_t *vertex_triangles;

@@ -17,6 +17,15 @@ static uint32_t collect_sides(const uint32_t *triangles, uint32_t triangle_count
     return count;
 }
 
+static uint32_t count_edges(const PercaleKeyed *items, uint32_t side_count)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < side_count; i++) {
+        count += i == 0 || items[i].key != items[i - 1].key;
+    }
+    return count;
+}
+
 static void group_sides(const PercaleKeyed *items, uint32_t side_count, PercaleEdges *edges)
 {
     uint32_t edge_count = 0;
@@ -39,8 +48,15 @@ bool percale_edges_build(const uint32_t *triangles, uint32_t triangle_count, Per
     size_t most = 3 * (size_t)triangle_count;
     *edges = (PercaleEdges){0};
     PercaleKeyed *items = percale_memory_new(memory, 2 * most, sizeof(items[0]));
-    edges->vertices = percale_memory_new(memory, most, sizeof(edges->vertices[0]));
-    edges->first_side = percale_memory_new(memory, most + 1, sizeof(edges->first_side[0]));
+    uint32_t side_count = 0;
+    size_t edge_count = 0;
+    if (items != NULL) {
+        side_count = collect_sides(triangles, triangle_count, items);
+        percale_radix_sort(items, items + most, side_count);
+        edge_count = count_edges(items, side_count);
+    }
+    edges->vertices = percale_memory_new(memory, edge_count, sizeof(edges->vertices[0]));
+    edges->first_side = percale_memory_new(memory, edge_count + 1, sizeof(edges->first_side[0]));
     edges->sides = percale_memory_new(memory, most, sizeof(edges->sides[0]));
     edges->edge_of_side = percale_memory_new(memory, most, sizeof(edges->edge_of_side[0]));
     bool complete = items != NULL && edges->vertices != NULL && edges->first_side != NULL &&
@@ -49,8 +65,6 @@ bool percale_edges_build(const uint32_t *triangles, uint32_t triangle_count, Per
         for (size_t side = 0; side < most; side++) {
             edges->edge_of_side[side] = UINT32_MAX;
         }
-        uint32_t side_count = collect_sides(triangles, triangle_count, items);
-        percale_radix_sort(items, items + most, side_count);
         group_sides(items, side_count, edges);
     } else {
         percale_edges_free(edges, memory);

@@ -143,8 +143,9 @@ static void gather_triangles(PercaleModel *model, const PercaleObjects *objects,
             model->triangle_areas[triangle] = (float)area;
             for (uint32_t k = 0; k < 3; k++) {
                 uint32_t vertex = object->triangles[3 * (size_t)t + k];
-                model->triangles[triangle][k] = model->cloths[c].slots[vertex];
-                add_share(sums[model->triangles[triangle][k]], area * (double)object->material.density / 3.0,
+                uint32_t slot = model->cloths[c].slots[vertex];
+                model->cloth.triangles[3 * (size_t)triangle + k] = slot;
+                add_share(sums[slot], area * (double)object->material.density / 3.0,
                           object->positions + 3 * (size_t)vertex, object->velocities + 3 * (size_t)vertex);
             }
         }
@@ -184,7 +185,7 @@ static void set_slot_states(PercaleModel *model, const double (*sums)[7], const 
 static bool build_points(PercaleModel *model, const PercaleObjects *objects, PercaleMemory *memory)
 {
     for (size_t c = 0; c < objects->cloth_count; c++) {
-        model->triangle_count += objects->cloths[c].triangle_count;
+        model->cloth.triangle_count += objects->cloths[c].triangle_count;
     }
     model->point_count = model->slot_count;
     for (size_t o = 0; o < objects->obstacle_count; o++) {
@@ -194,12 +195,14 @@ static bool build_points(PercaleModel *model, const PercaleObjects *objects, Per
     model->velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
     model->predicted = percale_memory_new(memory, model->point_count, sizeof(f32x4));
     model->next_velocity = percale_memory_new(memory, model->slot_count, sizeof(f32x4));
-    model->triangles = percale_memory_new(memory, model->triangle_count, sizeof(model->triangles[0]));
-    model->triangle_areas = percale_memory_new(memory, model->triangle_count, sizeof(float));
+    uint32_t triangle_count = model->cloth.triangle_count;
+    model->cloth.vertex_count = model->slot_count;
+    model->cloth.triangles = percale_memory_new(memory, 3 * (size_t)triangle_count, sizeof(uint32_t));
+    model->triangle_areas = percale_memory_new(memory, triangle_count, sizeof(float));
     double(*sums)[7] = percale_memory_new(memory, model->slot_count, sizeof(sums[0]));
     uint32_t *vertices_per_slot = percale_memory_new(memory, model->slot_count, sizeof(uint32_t));
     bool complete = model->position != NULL && model->velocity != NULL && model->predicted != NULL &&
-                    model->next_velocity != NULL && model->triangles != NULL &&
+                    model->next_velocity != NULL && model->cloth.triangles != NULL &&
                     model->triangle_areas != NULL && sums != NULL && vertices_per_slot != NULL;
     if (complete) {
         for (uint32_t c = 0; c < model->cloth_count; c++) {
@@ -216,22 +219,24 @@ static bool build_points(PercaleModel *model, const PercaleObjects *objects, Per
     return complete;
 }
 
-static bool build_incidence(PercaleModel *model, PercaleMemory *memory)
+/// `triangles`: by the surface's own vertex numbers.
+static bool build_vertex_faces(PercaleModelSurface *surface, const uint32_t *triangles, PercaleMemory *memory)
 {
-    model->slot_first_triangle = percale_memory_new(memory, (size_t)model->slot_count + 2, sizeof(uint32_t));
-    model->slot_triangles = percale_memory_new(memory, 3 * (size_t)model->triangle_count, sizeof(uint32_t));
-    if (model->slot_first_triangle == NULL || model->slot_triangles == NULL) {
+    surface->vertex_first_face =
+        percale_memory_new(memory, (size_t)surface->vertex_count + 2, sizeof(uint32_t));
+    surface->vertex_faces = percale_memory_new(memory, 3 * (size_t)surface->triangle_count, sizeof(uint32_t));
+    if (surface->vertex_first_face == NULL || surface->vertex_faces == NULL) {
         return false;
     }
-    uint32_t *cursor = model->slot_first_triangle + 1; // becomes the end of each slot's list
-    for (uint32_t side = 0; side < 3 * model->triangle_count; side++) {
-        cursor[model->triangles[side / 3][side % 3] + 1]++;
+    uint32_t *cursor = surface->vertex_first_face + 1;
+    for (uint32_t side = 0; side < 3 * surface->triangle_count; side++) {
+        cursor[triangles[side] + 1]++;
     }
-    for (uint32_t slot = 0; slot < model->slot_count; slot++) {
-        cursor[slot + 1] += cursor[slot];
+    for (uint32_t v = 0; v < surface->vertex_count; v++) {
+        cursor[v + 1] += cursor[v];
     }
-    for (uint32_t side = 0; side < 3 * model->triangle_count; side++) {
-        model->slot_triangles[cursor[model->triangles[side / 3][side % 3]]++] = side / 3;
+    for (uint32_t side = 0; side < 3 * surface->triangle_count; side++) {
+        surface->vertex_faces[cursor[triangles[side]]++] = side / 3;
     }
     return true;
 }
@@ -300,45 +305,6 @@ static bool is_closed(const PercaleEdges *edges, const uint32_t *triangles)
         }
     }
     return true;
-}
-
-static bool build_vertex_faces(PercaleModelSurface *obstacle, const uint32_t *triangles,
-                               PercaleMemory *memory)
-{
-    obstacle->vertex_first_face =
-        percale_memory_new(memory, (size_t)obstacle->vertex_count + 2, sizeof(uint32_t));
-    obstacle->vertex_faces =
-        percale_memory_new(memory, 3 * (size_t)obstacle->triangle_count, sizeof(uint32_t));
-    if (obstacle->vertex_first_face == NULL || obstacle->vertex_faces == NULL) {
-        return false;
-    }
-    uint32_t *cursor = obstacle->vertex_first_face + 1;
-    for (uint32_t side = 0; side < 3 * obstacle->triangle_count; side++) {
-        cursor[triangles[side] + 1]++;
-    }
-    for (uint32_t v = 0; v < obstacle->vertex_count; v++) {
-        cursor[v + 1] += cursor[v];
-    }
-    for (uint32_t side = 0; side < 3 * obstacle->triangle_count; side++) {
-        obstacle->vertex_faces[cursor[triangles[side]]++] = side / 3;
-    }
-    return true;
-}
-
-/// All cloth as one surface.
-static bool build_cloth(PercaleModel *model, PercaleMemory *memory)
-{
-    PercaleModelSurface *cloth = &model->cloth;
-    size_t size = 3 * (size_t)model->triangle_count;
-    *cloth =
-        (PercaleModelSurface){.vertex_count = model->slot_count, .triangle_count = model->triangle_count};
-    cloth->triangles = percale_memory_new(memory, size, sizeof(uint32_t));
-    if (cloth->triangles == NULL) {
-        return false;
-    }
-    memcpy(cloth->triangles, model->triangles, size * sizeof(uint32_t));
-    return percale_edges_build(cloth->triangles, cloth->triangle_count, memory, &cloth->edges) &&
-           build_vertex_faces(cloth, cloth->triangles, memory);
 }
 
 /// Edges, and after them the pairs of open seams, which will be one point: ways of no length.
@@ -457,10 +423,11 @@ PercaleResult percale_model_assemble(PercaleModel *model, PercaleObjects *object
     Weld weld = {0};
     bool complete = weld_closed_seams(&weld, objects, memory) &&
                     number_slots(model, objects, &weld, memory) && build_points(model, objects, memory) &&
-                    build_incidence(model, memory) && build_pins(model, objects, memory) &&
-                    build_open_seams(model, objects, memory) && build_obstacles(model, objects, memory) &&
+                    build_vertex_faces(&model->cloth, model->cloth.triangles, memory) &&
+                    build_pins(model, objects, memory) && build_open_seams(model, objects, memory) &&
+                    build_obstacles(model, objects, memory) &&
                     percale_model_build_constraints(model, objects, parts, memory) &&
-                    (!parts.pairs || (build_cloth(model, memory) && build_near(model, memory)));
+                    (!parts.pairs || build_near(model, memory));
     percale_memory_free(memory, weld.parent);
     percale_memory_free(memory, weld.first_vertex);
     if (!complete) {
@@ -490,28 +457,12 @@ void percale_model_free(PercaleModel *model, PercaleMemory *memory)
     }
     free_surface(&model->cloth, memory);
     percale_near_free(&model->near, memory);
-    void *arrays[] = {model->cloths,
-                      model->obstacles,
-                      model->position,
-                      model->velocity,
-                      model->predicted,
-                      model->next_velocity,
-                      model->cloth_of,
-                      model->triangles,
-                      model->triangle_areas,
-                      model->slot_first_triangle,
-                      model->slot_triangles,
-                      model->edges,
-                      model->edge_lengths,
-                      model->edge_compliances,
-                      model->hinges,
-                      model->hinge_weights,
-                      model->hinge_stiffnesses,
-                      model->tether_anchors,
-                      model->tether_lengths,
-                      model->open_seams,
-                      model->pinned_slots,
-                      model->pinned_sources};
+    void *arrays[] = {
+        model->cloths,        model->obstacles,         model->position,         model->velocity,
+        model->predicted,     model->next_velocity,     model->cloth_of,         model->triangle_areas,
+        model->edges,         model->edge_lengths,      model->edge_compliances, model->hinges,
+        model->hinge_weights, model->hinge_stiffnesses, model->tether_anchors,   model->tether_lengths,
+        model->open_seams,    model->pinned_slots,      model->pinned_sources};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++) {
         percale_memory_free(memory, arrays[i]);
     }

@@ -62,11 +62,10 @@ typedef struct PercaleModel {
     PercaleModelCloth *cloths;
     PercaleModelSurface *obstacles;
 
-    uint32_t triangle_count;
-    uint32_t (*triangles)[3];      // [triangle_count] cloth triangles, slots
-    float *triangle_areas;         // [triangle_count] m^2 at rest
-    uint32_t *slot_first_triangle; // [slot_count + 1] into slot_triangles
-    uint32_t *slot_triangles;      // [3 * triangle_count] triangles around a slot
+    PercaleModelSurface cloth; // all cloth as a surface, with edges where pairs of features are looked for;
+                               // its thickness, friction and mask are those of `cloths`
+    float *triangle_areas;     // [cloth.triangle_count] m^2 at rest
+    PercaleNear near;          // where pairs of features are looked for
 
     uint32_t edge_count;
     uint32_t (*edges)[2];    // [edge_count] slots; once batched, byte offsets of their points (see batch.h)
@@ -77,10 +76,6 @@ typedef struct PercaleModel {
     uint32_t (*hinges)[4];    // [hinge_count] edge a, b, opposite c, d; slots or offsets like edges
     f32x4 *hinge_weights;     // [hinge_count] the bending vector is sum weights[k] x[hinges[k]]
     float *hinge_stiffnesses; // [hinge_count] N/m: flexural rigidity over the two areas
-
-    PercaleModelSurface cloth; // all cloth as a surface, when pairs of features are looked for; its
-                               // thickness, friction and mask are those of `cloths`
-    PercaleNear near;          // too
 
     uint32_t tether_layers; // tethers per slot; see tethers.h
     uint32_t tether_count;  // those that can act

@@ -117,6 +117,21 @@ static void spread_from(const Ways *ways, uint32_t slot, float radius, Places *p
     places->count = count;
 }
 
+/// Gives back what a list that has grown doesn't need.
+static bool trim(void *array, size_t count, size_t element_size, PercaleMemory *memory)
+{
+    void *list;
+    memcpy(&list, array, sizeof(list));
+    void *block = percale_memory_new(memory, count, element_size);
+    if (block == NULL) {
+        return false;
+    }
+    memcpy(block, list, count * element_size);
+    percale_memory_free(memory, list);
+    memcpy(array, &block, sizeof(block));
+    return true;
+}
+
 static bool list_places(PercaleNear *near, uint32_t slot_count, const Ways *ways, float radius,
                         PercaleMemory *memory)
 {
@@ -139,7 +154,8 @@ static bool list_places(PercaleNear *near, uint32_t slot_count, const Ways *ways
         near->first[slot + 1] = count;
         near->radius[slot] = places.radius;
     }
-    return true;
+    return slot_count == 0 || (trim(&near->slots, count, sizeof(uint32_t), memory) &&
+                               trim(&near->distances, count, sizeof(float), memory));
 }
 
 bool percale_near_build(PercaleNear *near, uint32_t slot_count, const uint32_t (*edges)[2],

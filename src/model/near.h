@@ -11,6 +11,8 @@
 
 #include "base/memory.h"
 
+#include <math.h>
+
 typedef struct PercaleNear {
     uint32_t *first;  // [slot_count + 1] into slots and distances
     uint32_t *slots;  // ascending for each slot, itself left out
@@ -42,6 +44,27 @@ static inline float near_distance(const PercaleNear *near, uint32_t a, uint32_t 
         }
     }
     return near->radius[a];
+}
+
+/// Shortest way between the vertices of two features, m; a lower bound.
+static inline float near_features(const PercaleNear *near, const uint32_t *a, uint32_t a_count,
+                                  const uint32_t *b, uint32_t b_count)
+{
+    float nearest = INFINITY;
+    for (uint32_t i = 0; i < a_count; i++) {
+        for (uint32_t k = 0; k < b_count; k++) {
+            float distance = near_distance(near, a[i], b[k]);
+            nearest = distance < nearest ? distance : nearest;
+        }
+    }
+    return nearest;
+}
+
+/// The thickness that two features with this way between them can keep, m: half of it at most.
+static inline float allowed_thickness(float thickness, float way)
+{
+    float most = 0.5f * way;
+    return most < thickness ? most : thickness;
 }
 
 #endif

@@ -103,9 +103,8 @@ bool percale_tethers_build(PercaleModel *model, const float (*rest_lengths)[3], 
     if (model->pinned_count == 0 || model->edge_compliances != NULL) {
         return true;
     }
-    PercaleGeodesicMesh mesh = {
-        model->slot_count, model->triangle_count,      (const uint32_t(*)[3])model->triangles,
-        rest_lengths,      model->slot_first_triangle, model->slot_triangles};
+    PercaleGeodesicMesh mesh = {model->slot_count, model->cloth.triangle_count,    model->cloth.triangles,
+                                rest_lengths,      model->cloth.vertex_first_face, model->cloth.vertex_faces};
     Islands islands = {0};
     bool complete = find_islands(model, memory, &islands) && add_layers(model, &mesh, &islands, memory);
     free_islands(&islands, memory);

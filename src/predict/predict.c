@@ -13,8 +13,9 @@ static f32x4 wind_push(const PercalePredictStage *stage, uint32_t slot)
 {
     const PercaleModel *model = stage->model;
     f32x4 push = {0};
-    for (uint32_t i = model->slot_first_triangle[slot]; i < model->slot_first_triangle[slot + 1]; i++) {
-        const uint32_t *corners = model->triangles[model->slot_triangles[i]];
+    const PercaleModelSurface *cloth = &model->cloth;
+    for (uint32_t i = cloth->vertex_first_face[slot]; i < cloth->vertex_first_face[slot + 1]; i++) {
+        const uint32_t *corners = cloth->triangles + 3 * (size_t)cloth->vertex_faces[i];
         f32x4 a = model->position[corners[0]];
         f32x4 u = model->position[corners[1]] - a;
         f32x4 v = model->position[corners[2]] - a;
