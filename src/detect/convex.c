@@ -216,3 +216,13 @@ uint32_t percale_convex_face(const PercaleConvex *convex, const PercaleSurface *
     }
     return NO_TRIANGLE;
 }
+
+bool percale_convex_nearest(const PercaleConvex *convex, const PercaleSurface *surface, Vec3 point,
+                            double radius, uint32_t seed, PercaleNearest *nearest)
+{
+    uint32_t face = percale_convex_face(convex, surface, point, 0.0, seed);
+    if (face != NO_TRIANGLE) {
+        *nearest = percale_surface_nearest_of(surface, point, radius, &face, 1);
+    }
+    return face != NO_TRIANGLE;
+}

@@ -49,4 +49,9 @@ static inline void percale_convex_prefetch(const PercaleConvex *convex, const Pe
 uint32_t percale_convex_face(const PercaleConvex *convex, const PercaleSurface *surface, Vec3 point,
                              double reach, uint32_t seed);
 
+/// The nearest triangle, as percale_surface_nearest finds it, where there is one next to the `seed` (or none,
+/// NO_TRIANGLE) above which nothing else is near. False: it has to be searched for.
+bool percale_convex_nearest(const PercaleConvex *convex, const PercaleSurface *surface, Vec3 point,
+                            double radius, uint32_t seed, PercaleNearest *nearest);
+
 #endif

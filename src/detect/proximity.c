@@ -119,18 +119,6 @@ static Answer doubt_bound(PercaleProximity *proximity, const PercalePair *pair, 
     return ACTIVE_MISSED;
 }
 
-/// Its nearest triangle, where that is the only one near.
-static bool find_convex(const PercaleProximity *proximity, uint32_t slot, const PercaleNearbyQuery *query,
-                        PercaleNearest *nearest)
-{
-    uint32_t face =
-        percale_convex_face(&proximity->convex, query->surface, query->point, 0.0, proximity->nearest[slot]);
-    if (face != NO_TRIANGLE) {
-        *nearest = percale_surface_nearest_of(query->surface, query->point, query->radius, &face, 1);
-    }
-    return face != NO_TRIANGLE;
-}
-
 /// Whether the slot can touch the obstacle in this substep; computes its distance when the bound doesn't
 /// tell.
 static Answer examine(PercaleProximity *proximity, const PercalePair *pair, const PercaleSurface *surface,
@@ -163,7 +151,8 @@ static Answer examine(PercaleProximity *proximity, const PercalePair *pair, cons
     PercaleNearbyQuery query = {surface, proximity->traveled - (double)proximity->motion, point,
                                 (double)radius};
     PercaleNearest nearest;
-    if (pair->is_found_anew || (!find_convex(proximity, slot, &query, &nearest) &&
+    if (pair->is_found_anew || (!percale_convex_nearest(&proximity->convex, surface, point, query.radius,
+                                                        proximity->nearest[slot], &nearest) &&
                                 !percale_nearby_nearest(&proximity->nearby, slot, &query, &nearest))) {
         nearest = percale_surface_nearest(surface, point, query.radius, proximity->nearest[slot]);
     }

@@ -193,10 +193,10 @@ static void measure(const Search *search, uint32_t slot)
     PercaleSurface surface = {search->edges.mesh, &proximity->tree, x, proximity->convex.normals};
     Vec3 point = vec3_of(x[slot]);
     uint32_t seed = proximity->nearest[slot];
-    uint32_t face = percale_convex_face(&proximity->convex, &surface, point, 0.0, seed);
-    PercaleNearest nearest =
-        face != NO_TRIANGLE ? percale_surface_nearest_of(&surface, point, HUGE_VAL, &face, 1)
-                            : percale_surface_nearest(&surface, point, KNOWN * (double)search->low, seed);
+    PercaleNearest nearest;
+    if (!percale_convex_nearest(&proximity->convex, &surface, point, HUGE_VAL, seed, &nearest)) {
+        nearest = percale_surface_nearest(&surface, point, KNOWN * (double)search->low, seed);
+    }
     if (nearest.triangle != NO_TRIANGLE && percale_surface_side(&surface, point, &nearest) > 0) {
         float distance = (float)(sqrt(nearest.closest.distance2) * (1.0 - ROUNDING));
         proximity->clearance[slot] = fmaxf(proximity->clearance[slot], distance);
