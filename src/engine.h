@@ -14,7 +14,8 @@
 
 typedef struct PercaleEngine {
     PercaleIsa isa;
-    PercaleLead *run_substeps; // of a step; the context is a PercaleSubsteps
+    PercaleLead *run_substeps;   // of a step; the context is a PercaleSubsteps
+    PercaleLead *run_untangling; // the context is a PercaleUntangling (step_untangle.h)
     bool (*run_sweep)(const PercaleSweepPlan *plan, PercaleTeam *team, PercaleArena *arena);
 } PercaleEngine;
 

@@ -114,6 +114,18 @@ PERCALE_API PercaleResult percale_seam_add(PercaleSolver *solver, const PercaleS
 /// Cuts the seam open again; welded points part where they are.
 PERCALE_API PercaleResult percale_seam_remove(PercaleSolver *solver, PercaleSeam seam);
 
+// ---- untangle ----
+
+PERCALE_API PercaleUntangleDef percale_untangle_def_default(void);
+
+/// Takes cloth apart that goes through cloth or obstacles, as far as it comes apart; what remains is in the
+/// report and no error. Only positions change, those of obstacles and pinned vertices don't; velocities stay,
+/// since a correction is no motion. Inside of closed obstacles, behind open ones and on the wrong side of the
+/// next lower layer is wrong; else the smaller of the parts that a contour cuts off; where it cuts off
+/// nothing, it is made shorter (Baraff et al. 2003; Volino and Magnenat-Thalmann 2006; MATH.md, section 10).
+PERCALE_API PercaleResult percale_solver_untangle(PercaleSolver *solver, const PercaleUntangleDef *def,
+                                                  PercaleUntangleReport *report);
+
 // ---- audit ----
 
 /// Judges any state, without a solver: crossings, penetration, stretch. Fails only without memory.

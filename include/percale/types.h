@@ -267,6 +267,28 @@ typedef struct PercaleQuality {
 #undef PERCALE_QUALITY_FIELD
 } PercaleQuality;
 
+/// How percale_solver_untangle works.
+typedef struct PercaleUntangleDef {
+    uint32_t size;
+    int rounds;   ///< 1..1000; looking and moving, at most so often
+    int sweeps;   ///< 1..1000; over the constraints in each round
+    int patience; ///< 1..100; rounds after which a contour that resists is left alone
+} PercaleUntangleDef;
+
+/// What percale_solver_untangle has done. A contour is a curve along which two surfaces go through each
+/// other.
+typedef struct PercaleUntangleReport {
+    uint64_t ef_before,
+        ef_after; ///< pairs of triangles that share no point and cross; never more than before
+    uint64_t contours_before, contours_after;
+    double length_before, length_after; ///< m, of the contours
+    int iterations;                     ///< rounds
+    double momentum_drift;   ///< |sum m dx| / sum m |dx| over the cloths; 0 in exact arithmetic, but where
+                             ///< obstacles or pins have held
+    double displacement_max; ///< m
+    double seconds;          ///< that it took
+} PercaleUntangleReport;
+
 /// Bytes in use, by owner.
 typedef struct PercaleBytes {
     uint64_t model;

@@ -1,0 +1,25 @@
+// step_untangle.h: takes a tangled state apart: looks for crossings, finds what has to move, colours and
+// solves, looks again.
+//
+//   in   the model: committed positions
+//   out  the model's committed positions, moved, and with fewer crossings or as they were; no velocity
+
+#ifndef PERCALE_STEP_UNTANGLE_H
+#define PERCALE_STEP_UNTANGLE_H
+
+#include "base/team.h"
+#include "percale/types.h"
+
+struct PercaleSolver;
+
+typedef struct PercaleUntangling {
+    struct PercaleSolver *solver;
+    PercaleUntangleDef def;
+    PercaleUntangleReport report;
+    PercaleResult result;
+} PercaleUntangling;
+
+/// The context is a PercaleUntangling.
+PercaleLead percale_run_untangling;
+
+#endif
