@@ -45,6 +45,16 @@ v -2 0 3
 f 1 3 2
 f 1 4 3
 EOF_OBJ
+# A sheet that hangs through the first one: its lower rim is below.
+cat >hung.obj <<'EOF_OBJ'
+v 0.2 0.9 0.4
+v 0.8 0.9 0.45
+v 0.2 1.7 0.5
+v 0.8 1.7 0.5
+f 1 2 3
+f 2 4 3
+EOF_OBJ
+echo '[[0, 99]]' >seams.json
 sed 's/^v 1 1 1$/v 1 nan 1/' sheet.obj >nan.obj
 sed 's/^f 1 4 3$/f 1 4 9/' sheet.obj >index.obj
 sed 's/^f 1 4 3$/f 1 4 4/' sheet.obj >twice.obj
@@ -148,7 +158,20 @@ refuse_run '--error-below' good.json --error-below 1
 refuse_run '--resume' good.json --resume state
 refuse_run '--capsule' good.json --capsule capsule
 refuse_run 'untangle' good.json --set untangle=on
-refuse 'untangle' untangle sheet.obj --out out
+
+# Untangling: what is missing, unreadable or unknown.
+refuse '--out' untangle sheet.obj
+refuse 'no cloth' untangle --out out
+refuse 'nowhere\.obj' untangle nowhere.obj --out out
+refuse 'nan\.obj.*2|nan\.obj.*3' untangle nan.obj --out out
+refuse 'flat|area' untangle flat.obj --out out
+refuse "two cloths are named 'sheet'" untangle sheet.obj sheet.obj --out out
+refuse 'thickness' untangle sheet.obj --out out --set thickness=-1
+refuse 'friction' untangle sheet.obj --out out --set friction=1
+refuse '--threads' untangle sheet.obj --out out --threads 0
+refuse 'seams\.json.*pair 0' untangle sheet.obj --out out --seams seams.json
+refuse 'table\.obj.*line' untangle sheet.obj --out out --seams table.obj
+refuse '--json.*nowhere' untangle sheet.obj --out out --json nowhere/report.json
 
 # Where results can't go.
 refuse '--out.*sheet\.obj' run good.json --out sheet.obj
@@ -252,6 +275,23 @@ accept audit --cloth sheet.obj --rest sheet.obj --obstacle table.obj --json audi
 grep -q penetration_max_mm "$said.out" || complain "audit: no table on stdout"
 # shellcheck disable=SC2086 # a list of words
 same_keys audit.json percale cloths obstacles vertices triangles obstacle_triangles thickness quality $quality
+# Untangling writes the cloths under their names and nothing else, and what it writes is clean.
+accept untangle sheet.obj hung.obj --obstacle table.obj --out apart --json apart.json --threads 1
+grep -q 'pairs before, after' "$said.out" || complain "untangle: no table on stdout"
+[ "$(ls -A apart)" = "hung.obj
+sheet.obj" ] || complain "untangle --out: $(ls -A apart)"
+# shellcheck disable=SC2086 # lists of words
+same_keys apart.json percale threads isa cloths obstacles vertices triangles obstacle_triangles settings thickness \
+    layers rounds sweeps patience ef_before ef_after iterations momentum_drift displacement_max_mm contours_before \
+    contours_after contour_length_before_mm contour_length_after_mm ms quality_before $quality quality $quality state_hash
+grep -qE '^ *"ef_before": [1-9]' apart.json || complain "untangle: nothing crossed before"
+grep -qE '^ *"ef_after": 0,' apart.json || complain "untangle: something crosses after"
+accept audit --cloth apart/sheet.obj apart/hung.obj --json -
+grep -qE '"ef_cloth_cloth": 0,' "$said.out" || complain "untangle: what it has written crosses"
+cp sheet.obj same.obj
+call untangle sheet.obj same.obj hung.obj --set rounds=1 --set sweeps=1 --set thickness=0 --quiet --out apart
+[ "$code" = 0 ] || [ "$code" = 1 ] || complain "untangle: exit code $code"
+[ ! -s "$said.out" ] || complain "untangle --quiet: something on stdout"
 accept audit --cloth sheet.obj --cloth=table.obj --json -
 grep -q '"cloths": 2,' "$said.out" || complain "audit: not two cloths"
 

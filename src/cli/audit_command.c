@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/complaint.h"
 #include "cli/destination.h"
-#include "cli/options.h"
+#include "cli/mesh_list.h"
 #include "cli/report.h"
 #include "cli/table.h"
 #include "percale/scene.h"
@@ -20,15 +20,8 @@ static const PercaleOptionKind KINDS[] = {
     {"--obstacle", PERCALE_OPTION_LIST}, {"--thickness", PERCALE_OPTION_VALUE},
     {"--json", PERCALE_OPTION_VALUE},    {NULL, PERCALE_OPTION_SWITCH}};
 
-/// Meshes read from the files of one option.
-typedef struct MeshList {
-    const char **paths; // [count]
-    PercaleMesh *meshes;
-    size_t count;
-} MeshList;
-
 typedef struct Judgement {
-    MeshList cloths, rests, obstacles;
+    PercaleMeshList cloths, rests, obstacles;
     PercaleAuditMesh *audit; // [cloths, then obstacles]
     float **rest_lengths;    // [cloths]
     double thickness;        // m
@@ -38,29 +31,6 @@ static bool out_of_memory(PercaleSceneError *error)
 {
     (void)snprintf(error->text, sizeof error->text, "audit: out of memory");
     return false;
-}
-
-static bool read_list(const PercaleOptions *options, const char *option, MeshList *list,
-                      PercaleSceneError *error)
-{
-    list->count = percale_options_values(options, option, NULL);
-    list->paths = calloc(list->count + 1, sizeof *list->paths);
-    list->meshes = calloc(list->count + 1, sizeof *list->meshes);
-    if (!list->paths || !list->meshes)
-        return out_of_memory(error);
-    (void)percale_options_values(options, option, list->paths);
-    for (size_t index = 0; index < list->count; ++index)
-        if (!percale_obj_read(list->paths[index], NULL, &list->meshes[index], error))
-            return false;
-    return true;
-}
-
-static void free_list(MeshList *list)
-{
-    for (size_t index = 0; list->meshes && index < list->count; ++index)
-        percale_mesh_free(&list->meshes[index]);
-    free(list->paths);
-    free(list->meshes);
 }
 
 static PercaleAuditMesh audit_mesh(const PercaleMesh *mesh, double thickness)
@@ -109,9 +79,9 @@ static bool take_rest(Judgement *judgement, size_t index, PercaleSceneError *err
 
 static bool read_meshes(const PercaleOptions *options, Judgement *judgement, PercaleSceneError *error)
 {
-    if (!read_list(options, "--cloth", &judgement->cloths, error) ||
-        !read_list(options, "--rest", &judgement->rests, error) ||
-        !read_list(options, "--obstacle", &judgement->obstacles, error))
+    if (!percale_mesh_list_read(options, "--cloth", &judgement->cloths, error) ||
+        !percale_mesh_list_read(options, "--rest", &judgement->rests, error) ||
+        !percale_mesh_list_read(options, "--obstacle", &judgement->obstacles, error))
         return false;
     size_t cloth_count = judgement->cloths.count;
     size_t obstacle_count = judgement->obstacles.count;
@@ -160,12 +130,9 @@ static int judge(const Judgement *judgement, const char *json)
     PercaleAuditReport report = {.cloths = (uint32_t)judgement->cloths.count,
                                  .obstacles = (uint32_t)judgement->obstacles.count,
                                  .thickness = judgement->thickness};
-    for (size_t index = 0; index < report.cloths; ++index) {
-        report.vertices += judgement->cloths.meshes[index].vertex_count;
-        report.triangles += judgement->cloths.meshes[index].triangle_count;
-    }
-    for (size_t index = 0; index < report.obstacles; ++index)
-        report.obstacle_triangles += judgement->obstacles.meshes[index].triangle_count;
+    report.vertices = percale_mesh_list_vertices(&judgement->cloths);
+    report.triangles = percale_mesh_list_triangles(&judgement->cloths);
+    report.obstacle_triangles = percale_mesh_list_triangles(&judgement->obstacles);
     PercaleResult result = percale_audit(judgement->audit, report.cloths, judgement->audit + report.cloths,
                                          report.obstacles, &report.quality);
     if (result != PERCALE_OK)
@@ -192,9 +159,9 @@ int percale_command_audit(int argument_count, char **arguments)
         free(judgement.rest_lengths[index]);
     free(judgement.rest_lengths);
     free(judgement.audit);
-    free_list(&judgement.cloths);
-    free_list(&judgement.rests);
-    free_list(&judgement.obstacles);
+    percale_mesh_list_free(&judgement.cloths);
+    percale_mesh_list_free(&judgement.rests);
+    percale_mesh_list_free(&judgement.obstacles);
     percale_options_free(&options);
     return code;
 }

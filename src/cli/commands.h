@@ -7,5 +7,6 @@
 int percale_command_scenes(int argument_count, char **arguments);
 int percale_command_run(int argument_count, char **arguments);
 int percale_command_audit(int argument_count, char **arguments);
+int percale_command_untangle(int argument_count, char **arguments);
 
 #endif

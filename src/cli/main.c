@@ -30,17 +30,18 @@ static const char HELP[] =
     "  percale audit --cloth A.obj ... [--rest A0.obj ...] [--obstacle B.obj ...] [--thickness m] [--json "
     "FILE|-]\n"
     "                           judge meshes from files\n"
-    "  percale untangle         not in this version\n"
+    "  percale untangle IN.obj ... [--seams FILE] [--obstacle B.obj ...] --out DIR [--json FILE|-]\n"
+    "                           take apart what goes through itself, through each other and through "
+    "obstacles\n"
+    "      --seams FILE         JSON: pairs [vertex, vertex], or [cloth, vertex, cloth, vertex], from 0\n"
+    "      --set thickness=m    distance kept (0.002)\n"
+    "      --set layers=on      the cloths lie on one another, the first innermost (off)\n"
+    "      --set rounds=n, sweeps=n, patience=n    work at most\n"
+    "      --threads N, --quiet as above\n"
     "  percale --version, percale --help\n"
     "\n"
-    "Exit codes: 0 done, 1 the simulation failed, 2 bad arguments or bad input (then nothing is written).\n";
-
-static int untangle(int argument_count, char **arguments)
-{
-    (void)argument_count;
-    (void)arguments;
-    return percale_complain(PERCALE_EXIT_USAGE, "untangle: not in this version of percale");
-}
+    "Exit codes: 0 done, 1 the simulation failed or something still crosses, 2 bad arguments or bad input "
+    "(then nothing is written).\n";
 
 static const struct Command {
     const char *name;
@@ -49,7 +50,7 @@ static const struct Command {
     {"scenes", percale_command_scenes},
     {"run", percale_command_run},
     {"audit", percale_command_audit},
-    {"untangle", untangle},
+    {"untangle", percale_command_untangle},
 };
 
 static bool asks_for_help(const char *argument)
@@ -60,7 +61,7 @@ static bool asks_for_help(const char *argument)
 static int dispatch(int argument_count, char **arguments)
 {
     if (argument_count < 2)
-        return percale_complain(PERCALE_EXIT_USAGE, "no command: scenes, run, audit or --help");
+        return percale_complain(PERCALE_EXIT_USAGE, "no command: scenes, run, audit, untangle or --help");
     const char *name = arguments[1];
     if (asks_for_help(name) || (argument_count == 3 && asks_for_help(arguments[2]))) {
         (void)fputs(HELP, stdout);
@@ -73,7 +74,8 @@ static int dispatch(int argument_count, char **arguments)
     for (size_t index = 0; index < sizeof COMMANDS / sizeof COMMANDS[0]; ++index)
         if (strcmp(name, COMMANDS[index].name) == 0)
             return COMMANDS[index].run(argument_count - 2, arguments + 2);
-    return percale_complain(PERCALE_EXIT_USAGE, "unknown command '%s': scenes, run, audit or --help", name);
+    return percale_complain(PERCALE_EXIT_USAGE,
+                            "unknown command '%s': scenes, run, audit, untangle or --help", name);
 }
 
 int main(int argument_count, char **arguments)

@@ -200,6 +200,43 @@ static json_t *json_of_audit(const PercaleAuditReport *report)
     return object;
 }
 
+static json_t *json_of_untangling(const PercaleUntangleCommandReport *report)
+{
+    const double MILLI = 1e3;
+    char hash[17];
+    (void)snprintf(hash, sizeof hash, "%016" PRIx64, report->state_hash);
+    json_t *settings = json_object();
+    json_object_set_new(settings, "thickness", number(report->settings.thickness));
+    json_object_set_new(settings, "layers", json_boolean(report->settings.layers > 0.0));
+    json_object_set_new(settings, "rounds", number(report->settings.rounds));
+    json_object_set_new(settings, "sweeps", number(report->settings.sweeps));
+    json_object_set_new(settings, "patience", number(report->settings.patience));
+    json_t *object = json_object();
+    json_object_set_new(object, "percale", text_of(percale_version()));
+    json_object_set_new(object, "threads", json_integer(report->threads));
+    json_object_set_new(object, "isa", text_of(percale_isa_name(report->isa)));
+    json_object_set_new(object, "cloths", whole(report->cloths));
+    json_object_set_new(object, "obstacles", whole(report->obstacles));
+    json_object_set_new(object, "vertices", whole(report->vertices));
+    json_object_set_new(object, "triangles", whole(report->triangles));
+    json_object_set_new(object, "obstacle_triangles", whole(report->obstacle_triangles));
+    json_object_set_new(object, "settings", settings);
+    json_object_set_new(object, "ef_before", number(report->ef_before));
+    json_object_set_new(object, "ef_after", number(report->ef_after));
+    json_object_set_new(object, "iterations", json_integer(report->work.iterations));
+    json_object_set_new(object, "momentum_drift", number(report->work.momentum_drift));
+    json_object_set_new(object, "displacement_max_mm", number(MILLI * report->work.displacement_max));
+    json_object_set_new(object, "contours_before", whole(report->work.contours_before));
+    json_object_set_new(object, "contours_after", whole(report->work.contours_after));
+    json_object_set_new(object, "contour_length_before_mm", number(MILLI * report->work.length_before));
+    json_object_set_new(object, "contour_length_after_mm", number(MILLI * report->work.length_after));
+    json_object_set_new(object, "ms", number(MILLI * report->work.seconds));
+    json_object_set_new(object, "quality_before", quality_of(&report->quality_before));
+    json_object_set_new(object, "quality", quality_of(&report->quality));
+    json_object_set_new(object, "state_hash", text_of(hash));
+    return object;
+}
+
 static bool dump(const json_t *object, FILE *stream)
 {
     return json_dumpf(object, stream, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) == 0 &&
@@ -238,4 +275,10 @@ bool percale_report_write(const PercaleReport *report, const char *path, Percale
 bool percale_audit_report_write(const PercaleAuditReport *report, const char *path, PercaleSceneError *error)
 {
     return write_json(json_of_audit(report), path, error);
+}
+
+bool percale_untangle_report_write(const PercaleUntangleCommandReport *report, const char *path,
+                                   PercaleSceneError *error)
+{
+    return write_json(json_of_untangling(report), path, error);
 }

@@ -37,6 +37,25 @@ typedef struct PercaleAuditReport {
     PercaleQuality quality;
 } PercaleAuditReport;
 
+/// What `percale untangle --set` takes.
+typedef struct PercaleUntangleSettings {
+    double thickness; ///< m
+    double layers;    ///< 1: the cloths are layers, the first innermost; 0: not
+    double rounds, sweeps, patience;
+} PercaleUntangleSettings;
+
+typedef struct PercaleUntangleCommandReport {
+    int threads;
+    PercaleIsa isa;
+    uint32_t cloths, obstacles;
+    uint64_t vertices, triangles, obstacle_triangles;
+    PercaleUntangleSettings settings;
+    double ef_before, ef_after; ///< pairs of triangles that cross, as the audit counts them
+    PercaleUntangleReport work;
+    PercaleQuality quality_before, quality;
+    uint64_t state_hash;
+} PercaleUntangleCommandReport;
+
 /// "sse2", "avx2", "avx512"
 const char *percale_isa_name(PercaleIsa isa);
 
@@ -50,5 +69,7 @@ void percale_quality_worsen(PercaleQuality *worst, const PercaleQuality *quality
 /// `path` "-" is standard output; a file is written under a temporary name and renamed.
 bool percale_report_write(const PercaleReport *report, const char *path, PercaleSceneError *error);
 bool percale_audit_report_write(const PercaleAuditReport *report, const char *path, PercaleSceneError *error);
+bool percale_untangle_report_write(const PercaleUntangleCommandReport *report, const char *path,
+                                   PercaleSceneError *error);
 
 #endif

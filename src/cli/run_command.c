@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/complaint.h"
 #include "cli/destination.h"
+#include "cli/machine.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "cli/report.h"
@@ -60,14 +61,6 @@ typedef struct Run {
     bool audited; // has any frame been judged yet?
 } Run;
 
-static uint64_t machine_threads(void)
-{
-    long count = sysconf(_SC_NPROCESSORS_ONLN);
-    if (count < 1)
-        return 1;
-    return count > PERCALE_MAX_THREADS ? PERCALE_MAX_THREADS : (uint64_t)count;
-}
-
 static bool refuse(PercaleSceneError *error, const char *option, const char *text)
 {
     (void)snprintf(error->text, sizeof error->text, "%s: %s", option, text);
@@ -112,7 +105,7 @@ static bool read_plan(const PercaleOptions *options, RunPlan *plan, PercaleScene
     for (size_t index = 0; index < sizeof NOT_BUILT / sizeof NOT_BUILT[0]; ++index)
         if (percale_options_find(options, NOT_BUILT[index]))
             return refuse(error, NOT_BUILT[index], "not in this version of percale");
-    *plan = (RunPlan){.threads = machine_threads(), .audit = AUDIT_DEFAULT};
+    *plan = (RunPlan){.threads = percale_machine_threads(), .audit = AUDIT_DEFAULT};
     plan->out = percale_options_value(options, "--out");
     plan->json = percale_options_value(options, "--json");
     plan->picture = percale_options_value(options, "--picture");

@@ -53,3 +53,18 @@ void percale_audit_table_print(const PercaleAuditReport *report)
     PERCALE_QUALITIES(ROW)
 #undef ROW
 }
+
+void percale_untangle_table_print(const PercaleUntangleCommandReport *report)
+{
+    (void)printf("%u cloths: %" PRIu64 " vertices, %" PRIu64 " triangles; %u obstacles: %" PRIu64
+                 " triangles; thickness %g m\n",
+                 (unsigned)report->cloths, report->vertices, report->triangles, (unsigned)report->obstacles,
+                 report->obstacle_triangles, report->settings.thickness);
+    (void)printf("  %-26s %14.0f %14.0f\n", "pairs before, after", report->ef_before, report->ef_after);
+    (void)printf("  %-26s %14" PRIu64 " %14" PRIu64 "\n", "contours before, after",
+                 report->work.contours_before, report->work.contours_after);
+    (void)printf("  %-26s %14d\n", "iterations", report->work.iterations);
+    (void)printf("  %-26s %14.6g\n", "displacement_max_mm", 1e3 * report->work.displacement_max);
+    (void)printf("  %-26s %14.6g\n", "momentum_drift", report->work.momentum_drift);
+    (void)printf("  %-26s %14.6g\n", "ms", 1e3 * report->work.seconds);
+}

@@ -7,5 +7,6 @@
 
 void percale_table_print(const PercaleReport *report);
 void percale_audit_table_print(const PercaleAuditReport *report);
+void percale_untangle_table_print(const PercaleUntangleCommandReport *report);
 
 #endif
