@@ -348,15 +348,29 @@ static double drift_of(const Motion *motion)
     return motion->size > 0.0 ? vlength(motion->momentum) / motion->size : 0.0;
 }
 
-/// Where nothing holds the cloth, what momentum there is comes from rounding, every store of a point being
-/// off by half a unit in its last place: those that have moved farthest give it back.
-static void give_back_rounding(PercaleModel *model)
+/// What momentum float32 can have left, m kg: each store of a point is off by half a unit in its last place.
+static double rounding_of(const PercaleModel *model, int sweep_count)
 {
-    const double ROUNDING = 1e-3; // a drift below which it is that
+    const double HALF_A_UNIT = 0x1p-24; // share of a coordinate
+    const double STORES = 16.0;         // of a point in a sweep, by its edges and stencils
+    double sum = 0.0;
+    for (uint32_t i = 0; i < model->slot_count; i++) {
+        Vec3 place = vec3_of(model->predicted[i]);
+        bool has_moved = vlength(vsub(place, vec3_of(model->position[i]))) > 0.0;
+        sum +=
+            has_moved && model->position[i][3] > 0.0f ? vlength(place) / (double)model->position[i][3] : 0.0;
+    }
+    return HALF_A_UNIT * STORES * sweep_count * sum;
+}
+
+/// Where nothing holds the cloth, what momentum there is comes from rounding, if it is no more than that can
+/// be: those that have moved farthest give it back.
+static void give_back_rounding(PercaleModel *model, int sweep_count)
+{
     Motion all = motion_of(model, 0.0);
     Motion far = motion_of(model, 0.5 * all.farthest);
-    if (model->obstacle_count > 0 || model->pinned_count > 0 || !(drift_of(&all) < ROUNDING) ||
-        !(far.mass > 0.0)) {
+    if (model->obstacle_count > 0 || model->pinned_count > 0 ||
+        vlength(all.momentum) > rounding_of(model, sweep_count) || !(far.mass > 0.0)) {
         return;
     }
     Vec3 shift = vscale(-1.0 / far.mass, all.momentum);
@@ -370,9 +384,9 @@ static void give_back_rounding(PercaleModel *model)
 }
 
 /// |sum m dx| / sum m |dx| of all points that can move, and the farthest way.
-static void report_motion(PercaleModel *model, PercaleUntangleReport *report)
+static void report_motion(PercaleModel *model, int sweeps, PercaleUntangleReport *report)
 {
-    give_back_rounding(model);
+    give_back_rounding(model, sweeps * report->iterations);
     Motion motion = motion_of(model, 0.0);
     report->momentum_drift = drift_of(&motion);
     report->displacement_max = motion.farthest;
@@ -387,7 +401,7 @@ void percale_run_untangling(PercaleTeam *team, void *context)
     memcpy(model->predicted, model->position, model->point_count * sizeof(f32x4));
     bool complete = open_work(&work) && run_rounds(&work);
     if (complete) {
-        report_motion(model, &untangling->report);
+        report_motion(model, untangling->def.sweeps, &untangling->report);
         memcpy(model->position, model->predicted, model->point_count * sizeof(f32x4));
     }
     close_work(&work);

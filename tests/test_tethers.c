@@ -92,12 +92,9 @@ static void open_geodesic(Geodesic *geodesic, PercaleMesh mesh)
         }
     }
     find_triangles_around(geodesic);
-    geodesic->input = (PercaleGeodesicMesh){mesh.vertex_count,
-                                            mesh.triangle_count,
-                                            mesh.triangles,
-                                            (const float(*)[3])geodesic->lengths,
-                                            geodesic->first_triangle,
-                                            geodesic->triangles_around};
+    geodesic->input = (PercaleGeodesicMesh){mesh.vertex_count,        mesh.triangle_count,
+                                            mesh.triangles,           (const float(*)[3])geodesic->lengths,
+                                            geodesic->first_triangle, geodesic->triangles_around};
 }
 
 static void run_geodesic(Geodesic *geodesic, const uint32_t *sources, uint32_t source_count)

@@ -3,10 +3,10 @@
 //   in   trees over the cloth's triangles and edges, positions
 //   out  for each item (a vertex or an edge) the primitives of the cloth that it may come to touch
 //
-// They are found with a margin beyond the reach of each pair. Two features that were farther apart than that can't touch
-// as long as the difference of what their points have moved is smaller. Items that lie together are a block
-// (blocks.h), whose pairs were found at one moment; when something near it has moved against it by more than
-// the margin since then, its pairs are found anew, and those of no other block.
+// They are found with a margin beyond the reach of each pair. Two features that were farther apart than that
+// can't touch as long as the difference of what their points have moved is smaller. Items that lie together
+// are a block (blocks.h), whose pairs were found at one moment; when something near it has moved against it
+// by more than the margin since then, its pairs are found anew, and those of no other block.
 //
 // Who visits the pairs asks only those that can be near now: of each it is known how near it was when it was
 // last asked, and of its block how far things there have moved against each other in every substep since.

@@ -167,7 +167,8 @@ static Vec3 normal_at(const PercaleTangleStage *stage, uint32_t point)
     const PercaleModel *model = stage->mesh->model;
     Vec3 sum = vec3(0.0, 0.0, 0.0);
     if (point < model->slot_count) {
-        for (uint32_t i = model->cloth.vertex_first_face[point]; i < model->cloth.vertex_first_face[point + 1]; i++) {
+        for (uint32_t i = model->cloth.vertex_first_face[point];
+             i < model->cloth.vertex_first_face[point + 1]; i++) {
             sum = vadd(sum, turned_normal(stage->mesh, stage->x, model->cloth.vertex_faces[i]));
         }
     }
