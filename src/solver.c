@@ -61,6 +61,7 @@ PercaleSolverDef percale_solver_def_default(void)
         .isa = PERCALE_ISA_AUTO,
         .vertex_face = 1,
         .guard = 1,
+        .untangle = 1,
         .tethers = 1,
         .bending = 1,
     };
@@ -127,9 +128,6 @@ static PercaleResult check_counts(const PercaleSolverDef *def, PercaleMessage *m
 
 static PercaleResult check_features(const PercaleSolverDef *def, PercaleMessage *message)
 {
-    if (def->untangle != 0) {
-        return percale_fail(message, PERCALE_UNSUPPORTED, "untangling is not in this version");
-    }
     if ((unsigned)def->ccd > PERCALE_CCD_EXACT || (unsigned)def->reuse > PERCALE_REUSE_AUDIT) {
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "ccd %d or reuse %d is no choice",
                             (int)def->ccd, (int)def->reuse);
@@ -235,6 +233,7 @@ static void drop_model(PercaleSolver *solver)
     for (uint32_t o = 0; solver->proximities != NULL && o < solver->model.obstacle_count; o++) {
         percale_proximity_free(&solver->proximities[o], detect);
     }
+    percale_healing_close(solver);
     percale_pinches_free(&solver->pinches, detect);
     percale_candidates_free(&solver->candidates, detect);
     percale_candidates_free(&solver->audited, detect);
@@ -349,6 +348,7 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
         complete =
             complete && percale_proximity_begin(&solver->proximities[o], model, &model->obstacles[o], memory);
     }
+    solver->healing.is_unknown = true;
     if (complete && model->cloth.edges.edge_count > 0) {
         bool edges = solver->def.edge_edge != 0;
         solver->may_be_crossed = true;

@@ -12,6 +12,7 @@
 #include "detect/pinch.h"
 #include "detect/rays.h"
 #include "engine.h"
+#include "healing.h"
 #include "model/model.h"
 #include "percale/percale.h"
 
@@ -29,6 +30,7 @@ struct PercaleSolver {
     uint32_t last_id;
 
     bool assembled;      // the model below holds the state; else the objects do
+    bool stands_still;   // time does, but for what untangles: nothing is moved or closed from outside
     bool may_be_crossed; // cloth with cloth: not yet looked, or it was at the last pass, or was left so
     PercaleModel model;
     PercaleColoring static_coloring, contact_coloring;
@@ -60,6 +62,7 @@ struct PercaleSolver {
     float bend_dt;           // s; 0: not computed yet
     uint32_t bend_interval;  // substeps
     float *seam_targets;
+    PercaleHealing healing; // with untangle, where cloth collides with cloth
 
     PercaleProfile profile;
     PercaleCounters counters;
@@ -70,6 +73,9 @@ PercaleResult percale_solver_prepare(PercaleSolver *solver);
 
 /// Moves the state back into the objects and drops the model; call before any change to the objects.
 void percale_solver_release_model(PercaleSolver *solver);
+
+/// Forgets what is tangled.
+void percale_healing_close(PercaleSolver *solver);
 
 /// Passes a result on; the text of a failure goes to the host's log.
 PercaleResult percale_solver_logged(PercaleSolver *solver, PercaleResult result);

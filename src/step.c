@@ -106,6 +106,7 @@ static bool guard_pairs(Substep *substep, uint64_t *corrected)
                                    .measures = !substep->has_pass,
                                    .known = solver->may_be_crossed ? &solver->notes[0] : NULL,
                                    .exact = solver->def.ccd == PERCALE_CCD_EXACT,
+                                   .releases = releases_or_none(solver),
                                    .is_pinched = pinched_or_none(solver),
                                    .dt = substep->dt * (float)(solver->unguarded + 1),
                                    .collectors = &solver->collectors,
@@ -315,14 +316,16 @@ static PercaleResult run_substep(Substep *substep)
     return result == PERCALE_OK ? finish(substep) : result;
 }
 
-/// Pins go from where their vertices are to their targets.
+/// Pins go from where their vertices are to their targets, as long as time goes on.
 static void begin_pins(PercaleSolver *solver)
 {
     const PercaleModel *model = &solver->model;
     for (uint32_t i = 0; i < model->pinned_count; i++) {
         const PercalePinObject *pin = &solver->objects.pins[model->pinned_sources[i][0]];
         solver->pin_from[i] = model->position[model->pinned_slots[i]];
-        solver->pin_to[i] = vector_of(pin->to + 3 * (size_t)model->pinned_sources[i][1]);
+        solver->pin_to[i] = solver->stands_still
+                                ? solver->pin_from[i]
+                                : vector_of(pin->to + 3 * (size_t)model->pinned_sources[i][1]);
     }
 }
 
@@ -372,11 +375,11 @@ static void close_seams(PercaleSolver *solver)
     }
 }
 
-void percale_run_substeps(PercaleTeam *team, void *context)
+void percale_run_on(PercaleSubsteps *substeps, PercaleTeam *team)
 {
-    PercaleSubsteps *substeps = context;
     PercaleSolver *solver = substeps->solver;
     int count = solver->def.substeps;
+    begin_pins(solver);
     if (solver->candidates.lists != NULL) {
         percale_candidates_begin_step(&solver->candidates, team);
     }
@@ -396,6 +399,13 @@ void percale_run_substeps(PercaleTeam *team, void *context)
     }
 }
 
+void percale_run_substeps(PercaleTeam *team, void *context)
+{
+    PercaleSubsteps *substeps = context;
+    substeps->result = percale_begin_healing(substeps->solver, team);
+    percale_run_on(substeps, team);
+}
+
 static PercaleResult run_step(PercaleSolver *solver, double seconds)
 {
     const double SHORTEST = 1e-6; // s; below it positions of float32 no longer move
@@ -410,7 +420,6 @@ static PercaleResult run_step(PercaleSolver *solver, double seconds)
     }
     double began = percale_seconds();
     memset(&solver->profile, 0, sizeof(solver->profile));
-    begin_pins(solver);
     PercaleSubsteps substeps = {solver, seconds, 0, PERCALE_OK};
     size_t work = (size_t)solver->model.slot_count + solver->edges.count + solver->hinges.count;
     percale_team_open(threads_for(work, solver->def.thread_count), &solver->crowding,
@@ -418,6 +427,7 @@ static PercaleResult run_step(PercaleSolver *solver, double seconds)
     result = substeps.result;
     end_obstacles(solver, substeps.good);
     if (result == PERCALE_OK) {
+        solver->healing.steps++;
         close_seams(solver);
     } else {
         percale_solver_release_model(solver); // trees and predictions are those of the failed substep

@@ -19,14 +19,15 @@ static void move_obstacle(Substep *substep, uint32_t o)
     const PercaleObstacleObject *object = &solver->objects.obstacles[o];
     PercaleFrame *frame = &solver->frames[o];
     double before = (double)substep->index / (double)solver->def.substeps;
-    frame->motion = object->moving ? object->motion : MOTION_STATIC;
+    bool moves = object->moving && !solver->stands_still;
+    frame->motion = moves ? object->motion : MOTION_STATIC;
     frame->is_in_own_space = object->motion == MOTION_RIGID;
     frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
     frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
     solver->proximities[o].motion =
-        object->moving ? percale_motion_apply(&solver->model, o, object, substep->fraction,
-                                              (double)substep->dt * solver->def.substeps, substep->team)
-                       : 0.0f;
+        moves ? percale_motion_apply(&solver->model, o, object, substep->fraction,
+                                     (double)substep->dt * solver->def.substeps, substep->team)
+              : 0.0f;
     solver->proximities[o].traveled += (double)solver->proximities[o].motion;
     if (solver->def.ccd == PERCALE_CCD_OFF) {
         solver->proximities[o].doubt = INFINITY;
@@ -197,6 +198,7 @@ static bool detect_pairs(Substep *substep, const f32x4 *seen, const PercaleSourc
                               .may_be_crossed = solver->may_be_crossed,
                               .only = only,
                               .pinches = pinches_or_none(solver),
+                              .releases = releases_or_none(solver),
                               .edges_wait =
                                   solver->def.passes <= solver->def.substeps && solver->pinches.count == 0,
                               .arena = &solver->arena,
@@ -314,10 +316,12 @@ PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
         const f32x4 *seen = look_at_pairs(substep, first);
         complete = seen != NULL && detect_pairs(substep, seen, NULL);
     }
+    complete = complete && (!pass || percale_add_healing(substep));
     if (complete && pass) {
         complete = continue_stencils(substep, !first, first ? NULL : solver->model.predicted);
     }
     if (!pass) {
+        percale_raise_healing(substep);
         percale_team_for(substep->team, (uint32_t)solver->pass_stencil_count, GRAIN_STENCILS, forget_pushes,
                          solver->stencils.items);
     }

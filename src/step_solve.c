@@ -103,7 +103,8 @@ void percale_begin_solve(Substep *substep)
     }
     for (uint32_t s = 0; s < model->open_seam_count; s++) {
         const uint32_t *slots = model->open_seams[s].slots;
-        float gap = length3(model->position[slots[0]] - model->position[slots[1]]) - SEAM_SPEED * substep->dt;
+        float closes = solver->stands_still ? 0.0f : SEAM_SPEED * substep->dt;
+        float gap = length3(model->position[slots[0]] - model->position[slots[1]]) - closes;
         solver->seam_targets[s] = gap > 0.0f ? gap : 0.0f;
     }
     end_stage(substep, PERCALE_STAGE_SOLVE);
@@ -198,7 +199,7 @@ bool percale_end_solve(Substep *substep)
 {
     PercaleSolver *solver = substep->solver;
     PercaleSweepPlan plan = {.arrays = percale_solve_arrays(substep), .contacts = &solver->contacts};
-    if (solver->model.rank_count > 1) {
+    if (solver->model.rank_count > 1 && !solver->stands_still) { // what is held heavy takes momentum
         if (!percale_sweep_outwards(&plan, substep->team, &solver->arena)) {
             return false;
         }

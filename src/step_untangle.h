@@ -1,7 +1,7 @@
-// step_untangle.h: takes a tangled state apart: looks for crossings, finds what has to move, colours and
-// solves, looks again.
+// step_untangle.h: takes a tangled state apart: steps of a world in which nothing else moves, each of which
+// looks for crossings and lets what has to move come out by an edge's length, while all else collides.
 //
-//   in   the model: committed positions
+//   in   the model, of a solver that stands still: committed positions
 //   out  the model's committed positions, moved, and with fewer crossings or as they were; no velocity
 
 #ifndef PERCALE_STEP_UNTANGLE_H

@@ -1,5 +1,5 @@
 // substep.h: what the files of the step share: step.c, which knows the order of the stages, and
-// step_detect.c, step_solve.c, which hand the solver's arrays to two of them.
+// step_detect.c, step_heal.c, step_solve.c, which hand the solver's arrays to three of them.
 
 #ifndef PERCALE_SUBSTEP_H
 #define PERCALE_SUBSTEP_H
@@ -73,6 +73,12 @@ static inline const PercalePinches *pinches_or_none(const PercaleSolver *solver)
     return solver->pinches.count > 0 ? &solver->pinches : NULL;
 }
 
+/// What contact and guards have to let through; NULL: nothing.
+static inline const PercaleReleases *releases_or_none(const PercaleSolver *solver)
+{
+    return solver->healing.is_tangled ? &solver->healing.releases : NULL;
+}
+
 /// Where obstacles leave no room.
 static inline PercalePinchStage pinch_stage_of(const Substep *substep)
 {
@@ -80,6 +86,11 @@ static inline PercalePinchStage pinch_stage_of(const Substep *substep)
     return (PercalePinchStage){&solver->model,   solver->proximities, solver->crossings,
                                &solver->pinches, substep->dt,         substep->team};
 }
+
+// ---- step.c ----
+
+/// All substeps of a step.
+void percale_run_on(PercaleSubsteps *substeps, PercaleTeam *team);
 
 // ---- step_detect.c ----
 
@@ -89,6 +100,20 @@ PercaleResult percale_detect_obstacles(Substep *substep);
 /// A collision pass generates all stencils anew; between passes only those of vertices that have crossed are
 /// added, and pairs that have slid on renewed. `first`: in the substep.
 PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first);
+
+// ---- step_heal.c ----
+
+/// Looks at the whole tangle from now on; `obstacles`: what is tangled with them is part of it. False without
+/// memory.
+bool percale_healing_open(PercaleSolver *solver, bool obstacles, PercaleTeam *team);
+/// What crosses now, and what has to move. False without memory.
+bool percale_healing_look(PercaleSolver *solver, PercaleTeam *team);
+/// At the begin of a step.
+PercaleResult percale_begin_healing(PercaleSolver *solver, PercaleTeam *team);
+/// Appends the stencils of what is tangled to those of a pass. False without memory.
+bool percale_add_healing(Substep *substep);
+/// In a substep without a pass: they open a little further.
+void percale_raise_healing(Substep *substep);
 
 // ---- step_solve.c ----
 

@@ -157,7 +157,7 @@ refuse_run 'passes' good.json --set substeps=2 --set iterations=3 --set passes=7
 refuse_run '--error-below' good.json --error-below 1
 refuse_run '--resume' good.json --resume state
 refuse_run '--capsule' good.json --capsule capsule
-refuse_run 'untangle' good.json --set untangle=on
+refuse_run 'untangle' good.json --set untangle=perhaps
 
 # Untangling: what is missing, unreadable or unknown.
 refuse '--out' untangle sheet.obj

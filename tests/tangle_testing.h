@@ -37,7 +37,7 @@ static inline Tangle *look(PercaleSolver *solver, int thread_count)
     tangle->solver = solver;
     tangle->memory = (PercaleMemory){&solver->allocator, 0};
     PERCALE_TEST_OK(solver, percale_solver_prepare(solver));
-    ck_assert(percale_tangle_mesh_build(&tangle->mesh, &solver->model, &tangle->memory));
+    ck_assert(percale_tangle_mesh_build(&tangle->mesh, &solver->model, true, &tangle->memory));
     PercaleCrowding crowding = {0, 0};
     percale_team_open(thread_count, &crowding, look_with, tangle);
     return tangle;
@@ -69,6 +69,45 @@ static inline PercaleSolver *solver_of_case(const TangleCase *tangle)
         (void)percale_test_add_obstacle(solver, &tangle->body);
     }
     return solver;
+}
+
+/// Pairs that cross, as the audit counts them; nothing but numbers.
+static inline double pairs_of(PercaleSolver *solver)
+{
+    PercaleQuality quality;
+    PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
+    ck_assert(quality.nonfinite == 0.0);
+    return quality.ef_cloth_cloth + quality.ef_cloth_obstacle;
+}
+
+/// Two level sheets, the second a little lower than the first in its middle third; of this layer.
+static inline PercaleSolver *lay_two(PercaleSolverDef solver_def, float height, int32_t layer)
+{
+    PercaleSolver *solver = percale_test_solver(solver_def);
+    for (int i = 0; i < 2; i++) {
+        PercaleMesh mesh = percale_test_sheet(21, 0.4f);
+        for (uint32_t v = 0; i == 1 && v < mesh.vertex_count; v++) {
+            float *x = mesh.positions + 3 * (size_t)v;
+            x[1] = x[0] > -0.09f && x[0] < 0.11f ? -height : height;
+        }
+        PercaleClothDef def = percale_test_cloth_def(&mesh);
+        PercaleCloth cloth;
+        def.layer = i == 1 ? layer : 0;
+        PERCALE_TEST_OK(solver, percale_cloth_add(solver, &def, &cloth));
+        percale_mesh_free(&mesh);
+    }
+    return solver;
+}
+
+static inline double mean_height(PercaleSolver *solver, PercaleCloth cloth)
+{
+    float positions[3 * 21 * 21];
+    double sum = 0.0;
+    PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, cloth, positions, 0));
+    for (size_t v = 0; v < sizeof positions / sizeof positions[0] / 3; v++) {
+        sum += (double)positions[3 * v + 1];
+    }
+    return sum;
 }
 
 #endif

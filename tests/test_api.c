@@ -56,7 +56,6 @@ END_TEST
 
 START_TEST(what_this_version_lacks_is_said)
 {
-    PERCALE_NO_SOLVER(untangle, 1, PERCALE_UNSUPPORTED, "untangling");
     PERCALE_NO_SOLVER(isa, (PercaleIsa)4, PERCALE_INVALID_ARGUMENT, "isa 4");
     Scene *scene = create();
     ck_assert_int_ne(percale_solver_isa(scene->solver), PERCALE_ISA_AUTO);

@@ -22,6 +22,7 @@ static void open_sheets(Sheets *sheets, uint32_t side, float tilt, float height,
     const float TURN = 0.3f;
     PercaleSolverDef def = percale_solver_def_default();
     def.self_collision = def.edge_edge = 1;
+    def.untangle = 0;
     def.gravity[1] = 0.0f;
     def.thread_count = threads;
     sheets->solver = percale_test_solver(def);

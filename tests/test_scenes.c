@@ -293,8 +293,6 @@ START_TEST(a_bad_scene_file_is_refused_with_line_and_column)
          ":1:40:", "two cloths"},
         {"{ \"cloths\": [ { \"name\": \"a\" } ] }", ":1:15:", "\"obj\" is missing"},
         {"{ \"cloths\": [ { \"obj\": \"square.obj\", \"obj\": \"square.obj\" } ] }", ":1:", "duplicate"},
-        {"{ \"cloths\": [ { \"obj\": \"square.obj\" } ], \"settings\": { \"untangle\": true } }",
-         ":1:68:", "not in this version"},
         {"{ \"cloths\": [ { \"obj\": \"square.obj\" } ], \"settings\": { \"reuse\": 1 } }",
          ":1:65:", "auto|always"},
         {"{ \"\xc3\xa9\": {\"a\": [\"]\\\"\", 1]}, \"cloths\": [] }", ":1:3:", "unknown key"},

@@ -80,9 +80,9 @@ START_TEST(values_out_of_range_are_refused_with_the_range)
 }
 END_TEST
 
-START_TEST(what_is_not_built_is_refused_by_name_and_off_otherwise)
+START_TEST(switches_arrive_in_the_def)
 {
-    expect_refused("untangle", "on", "untangle=on", "not in this version");
+    ck_assert_int_eq(percale_settings_solver_def(&settings, 1).untangle, 1);
     set("self", "off");
     set("ee", "off");
     set("untangle", "off");
@@ -228,7 +228,7 @@ int main(void)
     tcase_add_test(laws, an_unknown_key_is_named_with_the_nearest_known_one);
     tcase_add_test(laws, values_that_are_not_of_the_kind_are_refused);
     tcase_add_test(laws, values_out_of_range_are_refused_with_the_range);
-    tcase_add_test(laws, what_is_not_built_is_refused_by_name_and_off_otherwise);
+    tcase_add_test(laws, switches_arrive_in_the_def);
     tcase_add_test(laws, every_setting_reaches_the_solver);
     tcase_add_test(laws, every_material_setting_reaches_the_cloth);
     tcase_add_test(laws, iterations_per_frame_splits_into_as_many_substeps_as_can_be);

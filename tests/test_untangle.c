@@ -16,34 +16,22 @@ static PercaleUntangleReport untangle(PercaleSolver *solver)
     return report;
 }
 
-/// Pairs that cross, as the audit counts them; nothing but numbers.
-static double pairs_of(PercaleSolver *solver)
-{
-    PercaleQuality quality;
-    PERCALE_TEST_OK(solver, percale_solver_quality(solver, &quality));
-    ck_assert(quality.nonfinite == 0.0);
-    return quality.ef_cloth_cloth + quality.ef_cloth_obstacle;
-}
-
 // ---- the seven standard cases ----
 
 enum { STANDARD_COUNT = TANGLE_STANDARD * TANGLE_DEPTHS * TANGLE_RESOLUTIONS };
 
-/// All of them; those up to 1.6 edges deep within 10 rounds, and nothing moves more than 3 edges farther than
-/// the tangle reaches.
+/// All of them within 10 rounds, and nothing moves more than 3 edges farther than the tangle reaches.
 START_TEST(standard_case_comes_apart)
 {
     const int ROUNDS = 10;
     const double FARTHER = 3.0; // edges
-    const int DEEPEST = TANGLE_DEPTHS - 1;
     TangleCase tangle;
     ck_assert(tangle_case_make((uint32_t)_i, &tangle));
     PercaleSolver *solver = solver_of_case(&tangle);
     PercaleUntangleReport report = untangle(solver);
     double left = pairs_of(solver);
     ck_assert_msg(report.ef_after == 0 && left == 0.0, "%s: %.0f pairs are left", tangle.name, left);
-    bool is_deep = _i / TANGLE_RESOLUTIONS % TANGLE_DEPTHS == DEEPEST;
-    ck_assert_msg(is_deep || report.iterations <= ROUNDS, "%s: %d rounds", tangle.name, report.iterations);
+    ck_assert_msg(report.iterations <= ROUNDS, "%s: %d rounds", tangle.name, report.iterations);
     ck_assert_msg(report.displacement_max <= tangle.extent + FARTHER * tangle.edge, "%s: %g m", tangle.name,
                   report.displacement_max);
     percale_solver_destroy(solver);
@@ -53,7 +41,7 @@ END_TEST
 
 // ---- the random ones ----
 
-static const uint32_t EVERY = PERCALE_SANITIZED ? 37 : 5; // of the seeded set is tried here
+static const uint32_t EVERY = PERCALE_SANITIZED ? 37 : 10; // of the seeded set is tried here
 
 /// ef_after <= ef_before, also when it has to stop after a round; and the audit agrees.
 START_TEST(nothing_is_made_worse)
@@ -79,7 +67,7 @@ START_TEST(nothing_is_made_worse)
         percale_solver_destroy(solver);
         tangle_case_free(&tangle);
     }
-    ck_assert_msg(_i == 0 || 100 * apart >= 90 * count, "%u of %u", apart, count);
+    ck_assert_msg(_i == 0 || 100 * apart >= 95 * count, "%u of %u", apart, count);
 }
 END_TEST
 
@@ -87,9 +75,10 @@ END_TEST
 START_TEST(momentum_survives_untangling)
 {
     const double DRIFT = 1e-5;
+    const uint32_t FARTHER = PERCALE_SANITIZED ? 148 : 36;
     uint32_t step = 4;
     for (uint32_t i = (uint32_t)_i; i < tangle_case_count(); i += step) {
-        step = i < STANDARD_COUNT ? 4 : 8 * EVERY;
+        step = i < STANDARD_COUNT ? 4 : FARTHER;
         TangleCase tangle;
         ck_assert(tangle_case_make(i, &tangle));
         if (tangle.body.vertex_count == 0) {
@@ -127,41 +116,11 @@ END_TEST
 
 // ---- what stays ----
 
-/// Two level sheets, the second a little lower than the first in its middle third.
-static PercaleSolver *lay_two(float height, int32_t layer)
-{
-    PercaleSolver *solver = percale_test_solver(percale_solver_def_default());
-    for (int i = 0; i < 2; i++) {
-        PercaleMesh mesh = percale_test_sheet(21, 0.4f);
-        for (uint32_t v = 0; i == 1 && v < mesh.vertex_count; v++) {
-            float *x = mesh.positions + 3 * (size_t)v;
-            x[1] = x[0] > -0.09f && x[0] < 0.11f ? -height : height;
-        }
-        PercaleClothDef def = percale_test_cloth_def(&mesh);
-        PercaleCloth cloth;
-        def.layer = i == 1 ? layer : 0;
-        PERCALE_TEST_OK(solver, percale_cloth_add(solver, &def, &cloth));
-        percale_mesh_free(&mesh);
-    }
-    return solver;
-}
-
-static double mean_height(PercaleSolver *solver, PercaleCloth cloth)
-{
-    float positions[3 * 21 * 21];
-    double sum = 0.0;
-    PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, cloth, positions, 0));
-    for (size_t v = 0; v < sizeof positions / sizeof positions[0] / 3; v++) {
-        sum += (double)positions[3 * v + 1];
-    }
-    return sum;
-}
-
 /// Of two layers the outer one goes to the side to which the inner one is turned, however much of it that is.
 START_TEST(layers_decide_which_side_is_wrong)
 {
     for (int32_t layer = -1; layer <= 1; layer += 2) {
-        PercaleSolver *solver = lay_two(0.004f, layer);
+        PercaleSolver *solver = lay_two(percale_solver_def_default(), 0.004f, layer);
         ck_assert(pairs_of(solver) > 0.0);
         (void)untangle(solver);
         ck_assert(pairs_of(solver) == 0.0);
@@ -176,7 +135,7 @@ END_TEST
 
 START_TEST(what_is_clean_stays_bit_for_bit)
 {
-    PercaleSolver *solver = lay_two(-0.004f, 0);
+    PercaleSolver *solver = lay_two(percale_solver_def_default(), -0.004f, 0);
     for (int round = 0; round < 2; round++) {
         (void)untangle(solver);
         uint64_t hash = percale_solver_hash(solver);
@@ -191,7 +150,7 @@ END_TEST
 /// A correction is no motion; pins hold.
 START_TEST(velocities_and_pins_stay)
 {
-    PercaleSolver *solver = lay_two(0.004f, 0);
+    PercaleSolver *solver = lay_two(percale_solver_def_default(), 0.004f, 0);
     float velocities[2][3 * 21 * 21] = {{0}};
     float positions[2][3 * 21 * 21];
     const uint32_t pinned[2] = {220, 221}; // in the middle
@@ -204,6 +163,8 @@ START_TEST(velocities_and_pins_stay)
     def.vertices = pinned;
     def.vertex_count = 2;
     PERCALE_TEST_OK(solver, percale_pin_add(solver, &def, &pin));
+    const float targets[2][3] = {{0.0f, 0.1f, 0.0f}, {0.02f, 0.1f, 0.0f}}; // of the next step, not of this
+    PERCALE_TEST_OK(solver, percale_pin_move(solver, pin, targets[0], 0));
     PERCALE_TEST_OK(solver, percale_cloth_set_velocities(solver, def.cloth, velocities[0], 0));
     PERCALE_TEST_OK(solver, percale_cloth_get_positions(solver, def.cloth, positions[0], 0));
     (void)untangle(solver);
@@ -222,7 +183,7 @@ END_TEST
 
 START_TEST(bad_arguments_are_refused)
 {
-    PercaleSolver *solver = lay_two(0.004f, 0);
+    PercaleSolver *solver = lay_two(percale_solver_def_default(), 0.004f, 0);
     PercaleUntangleReport report;
     uint64_t hash = percale_solver_hash(solver);
     for (int k = 0; k < 4; k++) {
@@ -262,7 +223,7 @@ static void give(void *user, void *memory)
     free(memory);
 }
 
-/// Without memory nothing has changed, and everything comes back.
+/// Without memory nothing has changed, and everything comes back; in a step the last good substep stays.
 START_TEST(every_allocation_may_fail)
 {
     TangleCase tangle;
@@ -275,17 +236,20 @@ START_TEST(every_allocation_may_fail)
         solver_def.allocate = take;
         solver_def.release = give;
         solver_def.allocator_user = &heap;
+        solver_def.self_collision = solver_def.edge_edge = _i;
         PercaleSolver *solver = percale_test_solver(solver_def);
         (void)percale_test_add_cloth(solver, &tangle.cloths[0]);
         uint64_t hash = percale_solver_hash(solver);
         heap.fail_at = heap.calls + n;
         PercaleUntangleDef def = percale_untangle_def_default();
         PercaleUntangleReport report;
-        PercaleResult result = percale_solver_untangle(solver, &def, &report);
+        PercaleResult result = _i == 1 ? percale_solver_step(solver, 1.0 / 60.0)
+                                       : percale_solver_untangle(solver, &def, &report);
         has_failed = heap.calls > heap.fail_at;
         heap.fail_at = SIZE_MAX;
         ck_assert_int_eq(result, has_failed ? PERCALE_OUT_OF_MEMORY : PERCALE_OK);
-        ck_assert((percale_solver_hash(solver) == hash) == has_failed);
+        ck_assert(_i == 1 || (percale_solver_hash(solver) == hash) == has_failed);
+        ck_assert(pairs_of(solver) >= 0.0);
         percale_solver_destroy(solver);
         ck_assert_uint_eq(heap.held, 0);
     }
@@ -388,18 +352,22 @@ int main(void)
     tcase_add_loop_test(sets, standard_case_comes_apart, 0, STANDARD_COUNT);
     tcase_add_loop_test(sets, nothing_is_made_worse, 0, 2);
     tcase_add_loop_test(sets, momentum_survives_untangling, 0, 4);
-    tcase_add_loop_test(sets, one_thread_equals_seven, 0, TANGLE_KINDS);
+    tcase_set_tags(sets, PERCALE_ONE_THREAD);
     tcase_set_timeout(sets, 60.0);
+    TCase *threads = tcase_create("threads");
+    tcase_add_loop_test(threads, one_thread_equals_seven, 0, TANGLE_KINDS);
+    tcase_set_timeout(threads, 60.0);
     TCase *laws = tcase_create("laws");
     tcase_add_test(laws, layers_decide_which_side_is_wrong);
     tcase_add_test(laws, what_is_clean_stays_bit_for_bit);
     tcase_add_test(laws, velocities_and_pins_stay);
     tcase_add_test(laws, bad_arguments_are_refused);
-    tcase_add_test(laws, every_allocation_may_fail);
+    tcase_add_loop_test(laws, every_allocation_may_fail, 0, 2);
     tcase_add_test(laws, a_trace_cuts_off_the_smaller_part);
     tcase_add_test(laws, the_descent_gradient_is_the_change_of_length);
     tcase_set_timeout(laws, 60.0);
     suite_add_tcase(suite, sets);
+    suite_add_tcase(suite, threads);
     suite_add_tcase(suite, laws);
     return percale_test_run(suite);
 }

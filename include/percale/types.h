@@ -103,7 +103,7 @@ typedef struct PercaleSolverDef {
     int guard_passes;   ///< 1: cloth is guarded from cloth, and from obstacles' edges, only when a collision
                       ///< pass is about to come and at the end of a step, over the whole way since; contacts
                       ///< of its features are those of the pass until then. 0: in each substep
-    int untangle; ///< 1: crossings are resolved (not in this version)
+    int untangle; ///< 1: cloth that goes through cloth it collides with is taken apart over the steps
     int tethers;  ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
     int bending;  ///< 1: cloth resists bending
     PercaleLogFunction *log; ///< one line per error or warning, and where percale_solver_quality finds
@@ -224,13 +224,15 @@ typedef struct PercaleProfile {
     X(overflow)             \
     X(last_crossed_frame)
 
-/// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and nothing
-/// tells how that came (looked for where edge_edge is 1); pinched: cloth vertices that two surfaces of
-/// obstacles left no room and that were held between them, in each substep; colors_max: the most colours that
-/// contacts needed; missed: with reuse=always, vertices near an obstacle that a kept bound of their distance
-/// would have left out, with reuse=audit, stencils of pairs that kept candidates have left out (it is 0, or a
-/// bound is wrong; with fewer passes than substeps, too); overflow:
-/// contacts that fitted into none; counters of features that this version does not have stay 0.
+/// Work done since the solver was created. born_crossed: edges and faces of the cloth that cross, and
+/// nothing tells how that came (looked for where edge_edge is 1); pinched: cloth vertices that two surfaces
+/// of obstacles left no room and that were held between them, in each substep; colors_max: the most colours
+/// that contacts needed; last_crossed_frame: steps that were done when cloth was last seen to go through
+/// cloth, as far as untangling looks (every triangle within 10 steps); 0 as well where that was at the start
+/// or never; missed: with reuse=always, vertices near an obstacle that a kept bound of their distance would
+/// have left out, with reuse=audit, stencils of pairs that kept candidates have left out (it is 0, or a
+/// bound is wrong; with fewer passes than substeps, too); overflow: contacts that fitted into none; counters
+/// of features that this version does not have stay 0.
 typedef struct PercaleCounters {
 #define PERCALE_COUNTER_FIELD(name) uint64_t name;
     PERCALE_COUNTERS(PERCALE_COUNTER_FIELD)
@@ -271,8 +273,8 @@ typedef struct PercaleQuality {
 typedef struct PercaleUntangleDef {
     uint32_t size;
     int rounds;   ///< 1..1000; looking and moving, at most so often
-    int sweeps;   ///< 1..1000; over the constraints in each round
-    int patience; ///< 1..100; rounds after which a contour that resists is left alone
+    int sweeps;   ///< 1..1000; over the constraints in each round, each after a collision pass of its own
+    int patience; ///< 1..100; rounds without a better state after which it is left as it is
 } PercaleUntangleDef;
 
 /// What percale_solver_untangle has done. A contour is a curve along which two surfaces go through each

@@ -24,7 +24,7 @@ static const double FLAT = 0.15;
 /// Farthest that surfaces of these thicknesses are in reach of each other, m.
 static float widest_reach(float a, float b)
 {
-    return 1.001f * 0.5f * CONTACT_REACH * (a + b);
+    return REACH_SLACK * 0.5f * CONTACT_REACH * (a + b);
 }
 
 static float mean_edge(const PercaleModel *model)

@@ -108,7 +108,7 @@ static float to_edge(const f32x4 *x, uint32_t point, uint32_t a, uint32_t b)
 /// near on the rest shape, too, than where they aren't. `way` is that between them.
 static float beyond_reach(const PercaleQuery *query, float distance, float way)
 {
-    return distance - fminf(query->reach, allowed_thickness(INFINITY, way) * 1.001f * CONTACT_REACH);
+    return distance - fminf(query->reach, allowed_thickness(INFINITY, way) * REACH_SLACK * CONTACT_REACH);
 }
 
 /// Whether two features of the cloth may come within a reach of their own before their block is searched

@@ -22,6 +22,7 @@
 // Thicknesses within which two features get a stencil: half of one is for what the solver moves them in a
 // substep.
 static const float CONTACT_REACH = 1.5f;
+static const float REACH_SLACK = 1.001f; // candidates are looked for that much farther: float32 rounds
 
 // Thicknesses below which an edge of the cloth and an obstacle's get their first: above it vertices and faces
 // keep them apart. Once they have one they keep it within reach.

@@ -274,6 +274,9 @@ void percale_pair_find_vertex(const PercalePairStage *stage, PercaleCollector *c
         const double *b = view.closest.weights;
         const double weights[4] = {1.0, -b[0], -b[1], -b[2]};
         bool near = view.distance <= percale_pair_reach(stage, &keep, view.points, weights);
+        if (!near && !view.has_passed) {
+            continue;
+        }
         bool above = view.closest.region == REGION_FACE;
         bool born = is_born_crossed(stage, face_key(vertex, triangle));
         view.keep = keep_at_rest(stage, keep, &vertex, 1, corners, 3);

@@ -36,6 +36,22 @@ static void drop_pinched(const Kind *kind, PercaleCollector *collector, bool smo
     collector->neighbors.count = states != NULL ? kept : collector->neighbors.count;
 }
 
+/// What untangling has in hand is no pair.
+static void drop_released(const Kind *kind, PercaleCollector *collector, const uint32_t points[2])
+{
+    const PercaleReleases *releases = kind->stage->releases;
+    const PercaleNeighborhood *hood = &kind->visiting.hood;
+    PercaleNeighbor *items = collector->neighbors.items;
+    size_t kept = 0;
+    for (size_t i = 0; i < collector->neighbors.count; i++) {
+        const uint32_t *corners = hood->primitives + (size_t)hood->arity * items[i].index;
+        if (!are_released(releases, points, 2, corners, hood->arity)) {
+            items[kept++] = items[i];
+        }
+    }
+    collector->neighbors.count = kept;
+}
+
 static void find_item(const void *context, PercaleCollector *collector, const PercaleQuery *query,
                       uint32_t place, uint32_t item)
 {
@@ -47,6 +63,8 @@ static void find_item(const void *context, PercaleCollector *collector, const Pe
     collector->source = source_of(kind, place);
     if (mesh != &stage->model->cloth) {
         drop_pinched(kind, collector, (edges ? mesh->smooth_edges : mesh->smooth_vertices)[item]);
+    } else if (stage->releases != NULL) {
+        drop_released(kind, collector, query->points);
     }
     if (mesh == &stage->model->cloth && edges) {
         percale_pair_find_edge(stage, collector, item);

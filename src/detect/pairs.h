@@ -20,18 +20,20 @@
 #include "base/arena.h"
 #include "detect/candidates.h"
 #include "detect/pinch.h"
+#include "detect/release.h"
 #include "detect/renew.h"
 
 typedef struct PercalePairStage {
     const PercaleModel *model;
-    const f32x4 *end;              // where the points are looked at
-    PercaleCandidates *candidates; // their tree of faces is refitted where something may be crossed
-    const PercaleNoteList *known;  // ascending by key
-    float later_substeps;          // until the next pass
-    float dt;                      // s, of a substep
-    bool may_be_crossed;           // nobody knows yet, or the guard has left something, or something was
-    const PercaleSources *only;    // NULL: all items
-    const PercalePinches *pinches; // NULL: nothing is pinched
+    const f32x4 *end;                // where the points are looked at
+    PercaleCandidates *candidates;   // their tree of faces is refitted where something may be crossed
+    const PercaleNoteList *known;    // ascending by key
+    float later_substeps;            // until the next pass
+    float dt;                        // s, of a substep
+    bool may_be_crossed;             // nobody knows yet, or the guard has left something, or something was
+    const PercaleSources *only;      // NULL: all items
+    const PercalePinches *pinches;   // NULL: nothing is pinched
+    const PercaleReleases *releases; // NULL: none
     bool edges_wait; // those of the cloth and an obstacle's, as long as vertices and faces keep them apart
     PercaleArena *arena;
     PercaleTeam *team;

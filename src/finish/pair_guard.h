@@ -27,7 +27,8 @@ typedef struct PercalePairGuardStage {
     PercaleProximity *proximities; // [obstacle_count] whose clearances what moves here is taken from
     bool obstacles;                // proximities are in use
     bool measures; // no contacts were found in this substep: clearances are bounds that need be known better
-    const PercaleNoteList *known; // of the last pass: what was born crossed may pass; NULL: nothing was
+    const PercaleNoteList *known;    // of the last pass: what was born crossed may pass; NULL: nothing was
+    const PercaleReleases *releases; // what may pass, too; NULL: nothing
     const uint8_t *is_pinched; // [slot_count] states; obstacles pass through what is held; NULL: nothing is
     bool exact;                // conservative tests: ccd=exact
     float dt;                  // s, that the ways take

@@ -115,11 +115,16 @@ static bool is_pinched(const PercalePassing *passing, const uint32_t *corners)
            percale_pinched_any(pinched, PINCH_HELD, corners, passing->of_edges ? 2 : 3);
 }
 
-static bool is_free(const PercalePassing *passing, uint32_t item, uint32_t primitive)
+static bool is_free(const PercalePassing *passing, const PercaleFeaturePair *pair)
 {
     const PercaleNoteList *known = passing->stage->known;
-    return known != NULL && passing->mesh == &passing->stage->model->cloth &&
-           percale_pairs_are_free(known, passing->of_edges, item, primitive);
+    const PercaleReleases *releases = passing->stage->releases;
+    if (passing->mesh != &passing->stage->model->cloth) {
+        return false;
+    }
+    return (known != NULL && percale_pairs_are_free(known, passing->of_edges, pair->item, pair->primitive)) ||
+           (releases != NULL && are_released(releases, pair->points, passing->of_edges ? 2 : 1, pair->corners,
+                                             passing->of_edges ? 2 : 3));
 }
 
 void percale_passing_ask(const PercalePassing *passing, PercaleCollector *collector,
@@ -131,7 +136,7 @@ void percale_passing_ask(const PercalePassing *passing, PercaleCollector *collec
     uint32_t points[4] = {pair->points[0], edges ? pair->points[1] : corners[0], corners[edges ? 0 : 1],
                           corners[edges ? 1 : 2]};
     if (!percale_candidates_collide(passing->stage->candidates, points[0], corners[0]) ||
-        is_free(passing, pair->item, pair->primitive) || is_pinched(passing, corners)) {
+        is_free(passing, pair) || is_pinched(passing, corners)) {
         return;
     }
     Vec3 from[4];

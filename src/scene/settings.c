@@ -40,7 +40,7 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
     [PERCALE_SET_GUARD_PASSES] = {{"guard_passes", PERCALE_SETTING_SWITCH, {0}, 0, 1, "", NULL,
         "cloth is guarded from cloth before each collision pass only, over the way since the last"}, NULL, 0},
     [PERCALE_SET_UNTANGLE] = {{"untangle", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
-        "crossings are resolved"}, "untangling", 1},
+        "cloth that goes through cloth is taken apart, a little in each step"}, NULL, 0},
     [PERCALE_SET_TETHERS] = {{"tethers", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "no vertex is farther from a pin than the cloth is long"}, NULL, 0},
     [PERCALE_SET_BENDING] = {{"bending", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,

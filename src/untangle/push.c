@@ -84,8 +84,9 @@ static void label_seed(PercaleTangleStage *stage, uint32_t point, uint32_t label
     }
 }
 
-/// Labels the points within some rings of the two traces with the nearer one: 2 * epoch + trace.
-static void label_patches(const Push *push, uint32_t rings)
+/// Labels the points within some rings of the two traces with the nearer one: 2 * epoch + trace. Returns
+/// their number; they are in the queue.
+static uint32_t label_patches(const Push *push, uint32_t rings)
 {
     PercaleTangleStage *stage = push->stage;
     const PercaleTangleMesh *mesh = stage->mesh;
@@ -112,6 +113,7 @@ static void label_patches(const Push *push, uint32_t rings)
             }
         }
     }
+    return end;
 }
 
 /// Edges from the trace to the farthest point, about: a region of n points is no wider than twice that of a
@@ -196,8 +198,24 @@ static bool push_point(const Push *push, uint32_t point, uint32_t own_face, cons
     double now = vdot(direction, offset);
     bool lies_on = fabs(vdot(normal_at(stage, point), normal)) > LIES_ON;
     double reach = lies_on ? distance : now + PUSH_STEP * edge_length_at(stage, point);
-    return percale_add_tangle_hold(stage, point, nearest->face, nearest->closest.weights, direction,
-                                   fmin(distance, reach));
+    return percale_add_tangle_stencil(stage, point, nearest->face, nearest->closest.weights, direction,
+                                      fmin(distance, reach));
+}
+
+/// Nothing holds the region on this side of the patch.
+static void release_region(const Push *push, const PercaleTangleRegion *region, uint32_t patch_label,
+                           uint32_t label_count)
+{
+    PercaleTangleStage *stage = push->stage;
+    uint32_t bit = 1U << push->contour % RELEASE_BITS;
+    for (uint32_t i = 0; i < region->count; i++) {
+        bool is_other = stage->labels[region->points[i]] == patch_label;
+        stage->releases.wrong[region->points[i]] |= is_other ? 0 : bit;
+    }
+    for (uint32_t i = 0; i < label_count; i++) {
+        bool is_other = stage->labels[stage->queue[i]] == patch_label;
+        stage->releases.others[stage->queue[i]] |= is_other ? bit : 0;
+    }
 }
 
 /// The region of one trace against the patch of the other.
@@ -208,8 +226,9 @@ static bool push_points(const Push *push, uint32_t trace, const PercaleTangleReg
     uint32_t other_face = push->items->triangles[1 - trace];
     bool is_obstacle = object_of_triangle(stage->mesh, other_face)->is_obstacle;
     int wrong = side_of_region(push, trace, region->side) > 0 ? 1 : -1;
-    label_patches(push, rings_of(region, push->items->count));
+    uint32_t label_count = label_patches(push, rings_of(region, push->items->count));
     PercaleFaceChoice choice = {stage->labels, 2 * stage->epoch + 1 - trace, NO_INDEX};
+    release_region(push, region, choice.label, label_count);
     bool is_shared = is_folded(push->items) || push->items->is_joined;
     bool complete = true;
     for (uint32_t i = 0; complete && i < region->count; i++) {

@@ -45,7 +45,8 @@ static bool ask_point(PercaleTangleStage *stage, uint32_t object, uint32_t point
         bool has_own = vlength(offset) > 0.1 * distance;
         direction = has_own ? vscale(*inside ? -1.0 : 1.0, vunit(offset)) : outward;
     }
-    return percale_add_tangle_hold(stage, point, nearest.face, nearest.closest.weights, direction, distance);
+    return percale_add_tangle_stencil(stage, point, nearest.face, nearest.closest.weights, direction,
+                                      distance);
 }
 
 /// A flood of the cloth that is inside one obstacle.
@@ -110,13 +111,16 @@ static bool push_face(PercaleTangleStage *stage, const PercaleTangleCrossing *cr
         percale_closest_on_triangle(vec3_of(stage->x[ends[out]]), vec3_of(stage->x[corners[0]]),
                                     vec3_of(stage->x[corners[1]]), vec3_of(stage->x[corners[2]]));
     double distance = distance_between(mesh, triangle_of_edge(mesh, crossing->edge, 0), crossing->face);
-    return percale_add_tangle_hold(stage, ends[out], crossing->face, closest.weights, vscale(-1.0, outward),
-                                   distance);
+    return percale_add_tangle_stencil(stage, ends[out], crossing->face, closest.weights,
+                                      vscale(-1.0, outward), distance);
 }
 
 bool percale_push_out(PercaleTangleStage *stage)
 {
     const PercaleTangleMesh *mesh = stage->mesh;
+    if (mesh->triangle_count == mesh->cloth_triangle_count) {
+        return true;
+    }
     bool complete = true;
     uint32_t object_count = mesh->model->cloth_count + mesh->model->obstacle_count;
     for (uint32_t object = mesh->model->cloth_count; complete && object < object_count; object++) {

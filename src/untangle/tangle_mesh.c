@@ -10,7 +10,7 @@ static void list_triangles(PercaleTangleMesh *mesh)
     for (uint32_t t = 0; t < count; t++) {
         mesh->object_of[t] = model->cloth_of[model->cloth.triangles[3 * (size_t)t]];
     }
-    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+    for (uint32_t o = 0; count < mesh->triangle_count; o++) {
         const PercaleModelSurface *obstacle = &model->obstacles[o];
         memcpy(mesh->triangles + 3 * (size_t)count, obstacle->triangles,
                3 * (size_t)obstacle->triangle_count * sizeof(uint32_t));
@@ -138,12 +138,13 @@ static bool allocate(PercaleTangleMesh *mesh, PercaleMemory *memory)
            mesh->point_edges != NULL;
 }
 
-bool percale_tangle_mesh_build(PercaleTangleMesh *mesh, const PercaleModel *model, PercaleMemory *memory)
+bool percale_tangle_mesh_build(PercaleTangleMesh *mesh, const PercaleModel *model, bool obstacles,
+                               PercaleMemory *memory)
 {
     *mesh = (PercaleTangleMesh){.model = model,
                                 .triangle_count = model->cloth.triangle_count,
                                 .cloth_triangle_count = model->cloth.triangle_count};
-    for (uint32_t o = 0; o < model->obstacle_count; o++) {
+    for (uint32_t o = 0; obstacles && o < model->obstacle_count; o++) {
         mesh->triangle_count += model->obstacles[o].triangle_count;
     }
     uint32_t *stack = percale_memory_new(memory, mesh->triangle_count, sizeof(uint32_t));

@@ -36,8 +36,9 @@ typedef struct PercaleTangleMesh {
 
 static const uint32_t NO_INDEX = UINT32_MAX;
 
-/// False without memory; then there is nothing to free.
-bool percale_tangle_mesh_build(PercaleTangleMesh *mesh, const PercaleModel *model, PercaleMemory *memory);
+/// `obstacles`: with their triangles. False without memory; then there is nothing to free.
+bool percale_tangle_mesh_build(PercaleTangleMesh *mesh, const PercaleModel *model, bool obstacles,
+                               PercaleMemory *memory);
 void percale_tangle_mesh_free(PercaleTangleMesh *mesh, PercaleMemory *memory);
 
 static inline const uint32_t *corners_of_triangle(const PercaleTangleMesh *mesh, uint32_t triangle)

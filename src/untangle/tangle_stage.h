@@ -9,6 +9,7 @@
 #define PERCALE_TANGLE_STAGE_H
 
 #include "detect/collect.h"
+#include "detect/release.h"
 #include "untangle/nearest_face.h"
 #include "untangle/regions.h"
 
@@ -24,10 +25,8 @@ typedef struct PercaleTangleStage {
     uint32_t epoch;            // of the labels
     uint32_t *queue;           // [point_count] scratch
     uint8_t *is_inside; // [point_count] points behind the surface of a closed obstacle, found anew each time
-    PercaleStencilList *stencils; // `source`: the round until which it holds
-    size_t held_count;            // the first of them, from earlier rounds
-    uint64_t round;
-    uint64_t *held_in; // [point_count] last round in which the point was given a hold
+    PercaleStencilList *stencils;
+    PercaleReleases releases; // filled in with the stencils
     PercaleMemory *memory;
 } PercaleTangleStage;
 
@@ -35,17 +34,6 @@ typedef struct PercaleTangleStage {
 /// weights. False without memory.
 bool percale_add_tangle_stencil(PercaleTangleStage *stage, uint32_t point, uint32_t face,
                                 const double weights[3], Vec3 normal, double distance);
-
-/// The same, and it holds for some rounds: what has been pushed to the right side has to stay there while the
-/// cloth around gives way.
-bool percale_add_tangle_hold(PercaleTangleStage *stage, uint32_t point, uint32_t face,
-                             const double weights[3], Vec3 normal, double distance);
-
-/// Begins a round: drops all stencils but those that still hold.
-void percale_begin_tangle_stencils(PercaleTangleStage *stage);
-
-/// Ends it: what a point was held against before gives way to what it is held against now.
-void percale_end_tangle_stencils(PercaleTangleStage *stage);
 
 /// Distance to keep between two objects, m.
 static inline double distance_between(const PercaleTangleMesh *mesh, uint32_t face_a, uint32_t face_b)
