@@ -349,6 +349,7 @@ static PercaleResult prepare_detection(PercaleSolver *solver)
             complete && percale_proximity_begin(&solver->proximities[o], model, &model->obstacles[o], memory);
     }
     solver->healing.is_unknown = true;
+    solver->healing.look = 0;
     if (complete && model->cloth.edges.edge_count > 0) {
         bool edges = solver->def.edge_edge != 0;
         solver->may_be_crossed = true;

@@ -18,12 +18,13 @@ static void move_obstacle(Substep *substep, uint32_t o)
     PercaleSolver *solver = substep->solver;
     const PercaleObstacleObject *object = &solver->objects.obstacles[o];
     PercaleFrame *frame = &solver->frames[o];
-    double before = (double)substep->index / (double)solver->def.substeps;
+    double before = solver->stands_still ? 0.0 : (double)substep->index / (double)solver->def.substeps;
+    double after = solver->stands_still ? 0.0 : substep->fraction;
     bool moves = object->moving && !solver->stands_still;
     frame->motion = moves ? object->motion : MOTION_STATIC;
     frame->is_in_own_space = object->motion == MOTION_RIGID;
     frame->start = percale_motion_between(&object->pose_from, &object->pose_to, before);
-    frame->end = percale_motion_between(&object->pose_from, &object->pose_to, substep->fraction);
+    frame->end = percale_motion_between(&object->pose_from, &object->pose_to, after);
     solver->proximities[o].motion =
         moves ? percale_motion_apply(&solver->model, o, object, substep->fraction,
                                      (double)substep->dt * solver->def.substeps, substep->team)
@@ -320,7 +321,7 @@ PercaleResult percale_detect_contacts(Substep *substep, bool pass, bool first)
     if (complete && pass) {
         complete = continue_stencils(substep, !first, first ? NULL : solver->model.predicted);
     }
-    if (!pass) {
+    if (complete && !pass) {
         percale_raise_healing(substep);
         percale_team_for(substep->team, (uint32_t)solver->pass_stencil_count, GRAIN_STENCILS, forget_pushes,
                          solver->stencils.items);

@@ -14,6 +14,8 @@
 
 enum { LOOKS = 10 }; // steps in which every edge is looked at
 
+static const uint32_t EPOCHS_MOST = 1U << 30; // of the tangler's labels, which take 31 bits
+
 /// Edges and faces that the stages have counted as crossed.
 static uint64_t crossed_of(const PercaleSolver *solver)
 {
@@ -82,6 +84,10 @@ PercaleResult percale_begin_healing(PercaleSolver *solver, PercaleTeam *team)
     bool crossed = false;
     bool complete = true;
     if (crossed_of(solver) > healing->known_crossed) {
+        healing->is_unknown = true;
+    }
+    if (healing->tangler.stage.epoch > EPOCHS_MOST || healing->tangler.flood.epoch > EPOCHS_MOST) {
+        percale_healing_close(solver); // labels are numbered on: begins again
         healing->is_unknown = true;
     }
     if (!healing->is_tangled) {

@@ -78,7 +78,7 @@ static bool may_meet(const PercaleTangleMesh *mesh, uint32_t edge, uint32_t face
     const uint32_t *corners = corners_of_triangle(mesh, face);
     const PercaleTangleObject *a = object_of_triangle(mesh, triangle_of_edge(mesh, edge, 0));
     const PercaleTangleObject *b = object_of_triangle(mesh, face);
-    bool collide = a == b || (a->mask & b->mask) != 0;
+    bool collide = (a->mask & b->mask) != 0;
     for (int k = 0; k < 3; k++) {
         collide = collide && !are_sewn_together(mesh, ends[0], corners[k]) &&
                   !are_sewn_together(mesh, ends[1], corners[k]);
@@ -173,6 +173,13 @@ static void ask_shares(void *context, uint32_t first, uint32_t end)
     }
 }
 
+/// What the share holds counts as the memory's.
+static void take_over(PercaleCrossingShare *share, PercaleMemory *memory)
+{
+    memory->bytes += share->memory.bytes;
+    share->memory.bytes = 0;
+}
+
 bool percale_crossing_search_run(PercaleCrossingSearch *search, const f32x4 *x, PercaleTeam *team,
                                  PercaleMemory *memory, PercaleTangleCrossings *crossings)
 {
@@ -186,6 +193,7 @@ bool percale_crossing_search_run(PercaleCrossingSearch *search, const f32x4 *x, 
     for (uint32_t i = 0; i < TANGLE_SHARES; i++) {
         count += search->shares[i].found.count;
         complete = complete && search->shares[i].complete;
+        take_over(&search->shares[i], memory);
     }
     if (!complete || !percale_memory_reserve(memory, &crossings->items, &crossings->capacity, count,
                                              sizeof(crossings->items[0]))) {
@@ -233,8 +241,9 @@ void percale_crossing_search_close(PercaleCrossingSearch *search, PercaleMemory 
     percale_tree_free(&search->obstacles, memory);
     for (uint32_t i = 0; i < TANGLE_SHARES; i++) {
         PercaleCrossingShare *share = &search->shares[i];
-        percale_memory_free(&share->memory, share->found.items);
-        percale_memory_free(&share->memory, share->nodes.items);
+        take_over(share, memory);
+        percale_memory_free(memory, share->found.items);
+        percale_memory_free(memory, share->nodes.items);
     }
     memset(search, 0, sizeof(*search));
 }

@@ -233,7 +233,8 @@ static bool push_points(const Push *push, uint32_t trace, const PercaleTangleReg
     bool complete = true;
     for (uint32_t i = 0; complete && i < region->count; i++) {
         uint32_t point = region->points[i];
-        if (is_shared && stage->labels[point] != 2 * stage->epoch + trace) {
+        bool is_own = stage->labels[point] == 2 * stage->epoch + trace;
+        if (stage->labels[point] == choice.label || (is_shared && !is_own)) {
             continue; // it belongs to the other trace
         }
         PercaleNearestFace nearest =

@@ -18,12 +18,17 @@ static bool has_any(const uint32_t *face, const uint32_t *points, uint32_t count
     return any;
 }
 
-/// Whether one of the triangles at the edge shares no point with the face: else the two are neighbours.
-static bool is_apart(const PercaleModelSurface *cloth, uint32_t edge, const uint32_t *face)
+/// Whether one of the triangles at the edge shares no point with the face, nor will when seams have closed:
+/// else the two are neighbours.
+static bool is_apart(const PercaleModel *model, uint32_t edge, const uint32_t *face)
 {
+    const PercaleModelSurface *cloth = &model->cloth;
     bool apart = false;
     for (uint32_t i = cloth->edges.first_side[edge]; i < cloth->edges.first_side[edge + 1]; i++) {
-        apart = apart || !has_any(face, cloth->triangles + (size_t)(cloth->edges.sides[i] / 3) * 3, 3);
+        const uint32_t *corners = cloth->triangles + (size_t)(cloth->edges.sides[i] / 3) * 3;
+        apart =
+            apart || !(has_any(face, corners, 3) || percale_candidates_are_sewn(model, corners, face, 3) ||
+                       percale_candidates_are_sewn(model, corners + 1, face, 3));
     }
     return apart;
 }
@@ -52,7 +57,7 @@ static bool does_cross(const PercaleWatchStage *stage, uint32_t edge, uint32_t t
     const uint32_t *face = cloth->triangles + (size_t)triangle * 3;
     uint32_t mask = model->cloths[model->cloth_of[ends[0]]].mask;
     return !has_any(face, ends, 2) && (mask & model->cloths[model->cloth_of[face[0]]].mask) != 0 &&
-           is_pierced(stage->x, ends, face) && is_apart(cloth, edge, face) &&
+           is_pierced(stage->x, ends, face) && is_apart(model, edge, face) &&
            !percale_candidates_are_sewn(model, ends, face, 3) &&
            percale_does_edge_cross(stage->x, ends, face);
 }
