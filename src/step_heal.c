@@ -70,6 +70,7 @@ bool percale_healing_look(PercaleSolver *solver, PercaleTeam *team)
     memset(healing->releases.wrong, 0, size);
     memset(healing->releases.others, 0, size);
     tangler->stage.releases = healing->releases;
+    tangler->stage.frees_crossings = !solver->stands_still; // without history less is left if they are held
     return percale_tangler_look(tangler, solver->model.position, team) &&
            percale_tangle_find_stencils(&tangler->stage);
 }

@@ -208,7 +208,7 @@ bool percale_end_solve(Substep *substep)
     }
     Slips slips = {.arrays = plan.arrays};
     percale_team_for(substep->team, (uint32_t)solver->stencils.count, GRAIN_STENCILS, keep_slips, &slips);
-    substep->any_leaves = slips.any_leaves || solver->healing.is_tangled;
+    substep->any_leaves = slips.any_leaves || (solver->healing.is_tangled && !solver->stands_still);
     end_stage(substep, PERCALE_STAGE_SOLVE);
     return true;
 }

@@ -187,7 +187,9 @@ static bool push_point(const Push *push, uint32_t point, uint32_t own_face, cons
     double before = vdot(offset, normal);
     double distance = distance_between(stage->mesh, own_face, nearest->face);
     bool is_wrong = before * wrong > 0.0;
-    if ((!is_wrong && vlength(offset) > distance) || is_on_boundary(stage->mesh, nearest)) {
+    const uint32_t *corners = corners_of_triangle(stage->mesh, nearest->face);
+    bool is_own = corners[0] == point || corners[1] == point || corners[2] == point;
+    if (is_own || (!is_wrong && vlength(offset) > distance) || is_on_boundary(stage->mesh, nearest)) {
         return true;
     }
     Vec3 direction = vscale(-wrong, normal);
@@ -233,8 +235,7 @@ static bool push_points(const Push *push, uint32_t trace, const PercaleTangleReg
     bool complete = true;
     for (uint32_t i = 0; complete && i < region->count; i++) {
         uint32_t point = region->points[i];
-        bool is_own = stage->labels[point] == 2 * stage->epoch + trace;
-        if (stage->labels[point] == choice.label || (is_shared && !is_own)) {
+        if (is_shared && stage->labels[point] != 2 * stage->epoch + trace) {
             continue; // it belongs to the other trace
         }
         PercaleNearestFace nearest =

@@ -27,6 +27,7 @@ typedef struct PercaleTangleStage {
     uint8_t *is_inside; // [point_count] points behind the surface of a closed obstacle, found anew each time
     PercaleStencilList *stencils;
     PercaleReleases releases; // filled in with the stencils
+    bool frees_crossings;     // also where a contour is only made shorter
     PercaleMemory *memory;
 } PercaleTangleStage;
 

@@ -43,7 +43,9 @@ static bool treat(PercaleTangleStage *stage, uint32_t index)
     if (pushed) {
         return true;
     }
-    release_crossings(stage, index);
+    if (stage->frees_crossings) {
+        release_crossings(stage, index);
+    }
     return percale_descend(stage, index, DESCENT_STEP);
 }
 
