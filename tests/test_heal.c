@@ -88,6 +88,36 @@ START_TEST(what_has_come_apart_stays_where_it_is)
 }
 END_TEST
 
+/// Cloth that collides with nothing isn't taken apart either: not in steps, not on request.
+START_TEST(what_collides_with_nothing_stays_crossed)
+{
+    TangleCase tangle;
+    uint64_t hashes[2];
+    ck_assert(tangle_case_make_standard("BLI", 1, 0, &tangle));
+    for (int untangle = 0; untangle < 2; untangle++) {
+        PercaleSolverDef def = floating();
+        def.untangle = untangle;
+        PercaleSolver *solver = percale_test_solver(def);
+        PercaleCloth cloth = percale_test_add_cloth(solver, &tangle.cloths[0]);
+        ck_assert(pairs_of(solver) > 0.0);
+        PERCALE_TEST_OK(solver, percale_cloth_set_mask(solver, cloth, 0));
+        for (int step = 0; step < 5; step++) {
+            PERCALE_TEST_OK(solver, percale_solver_step(solver, FRAME));
+        }
+        hashes[untangle] = percale_solver_hash(solver);
+        ck_assert_uint_eq(percale_solver_counters(solver).last_crossed_frame, 0);
+        PercaleUntangleDef untangle_def = percale_untangle_def_default();
+        PercaleUntangleReport report;
+        PERCALE_TEST_OK(solver, percale_solver_untangle(solver, &untangle_def, &report));
+        ck_assert_int_eq(report.iterations, 0);
+        ck_assert_uint_eq(percale_solver_hash(solver), hashes[untangle]);
+        percale_solver_destroy(solver);
+    }
+    ck_assert_uint_eq(hashes[0], hashes[1]);
+    tangle_case_free(&tangle);
+}
+END_TEST
+
 // ---- the watch ----
 
 /// The edges of a tangle, one by one and together.
@@ -181,6 +211,7 @@ int main(void)
     tcase_add_loop_test(sheets, two_sheets_come_apart, 0, 2);
     tcase_add_test(sheets, layers_decide_which_side_is_wrong);
     tcase_add_test(sheets, what_has_come_apart_stays_where_it_is);
+    tcase_add_test(sheets, what_collides_with_nothing_stays_crossed);
     tcase_add_loop_test(sheets, the_watch_sees_every_edge_that_crosses, 0, TANGLE_STANDARD + 1);
     tcase_set_tags(sheets, PERCALE_ONE_THREAD);
     suite_add_tcase(suite, sheets);

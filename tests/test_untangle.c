@@ -181,6 +181,34 @@ START_TEST(velocities_and_pins_stay)
 }
 END_TEST
 
+/// Time stands still: what an obstacle has been told to do next changes nothing.
+START_TEST(an_obstacle_waits)
+{
+    const double turn[4] = {0.0, 0.0, 0.0, 1.0};
+    const double stay[3] = {0.0, 0.0, 0.0};
+    const double shift[3] = {0.0, -0.2, 0.0}; // through the sheets
+    uint64_t hashes[2];
+    for (int told = 0; told < 2; told++) {
+        PercaleSolver *solver = lay_two(percale_solver_def_default(), 0.004f, 0);
+        PercaleMesh mesh = percale_test_sphere(2, 0.08f);
+        percale_test_translate(&mesh, 0.0f, 0.087f, 0.0f);
+        PercaleObstacle ball = percale_test_add_obstacle(solver, &mesh);
+        PERCALE_TEST_OK(solver, percale_obstacle_set_transform(solver, ball, turn, stay));
+        PERCALE_TEST_OK(solver, percale_solver_step(solver, 1e-6)); // it is a rigid one now
+        if (told == 1) {
+            PERCALE_TEST_OK(solver, percale_obstacle_set_transform(solver, ball, turn, shift));
+        }
+        ck_assert(pairs_of(solver) > 0.0);
+        (void)untangle(solver);
+        ck_assert(pairs_of(solver) == 0.0);
+        hashes[told] = percale_solver_hash(solver);
+        percale_mesh_free(&mesh);
+        percale_solver_destroy(solver);
+    }
+    ck_assert_uint_eq(hashes[0], hashes[1]);
+}
+END_TEST
+
 START_TEST(bad_arguments_are_refused)
 {
     PercaleSolver *solver = lay_two(percale_solver_def_default(), 0.004f, 0);
@@ -361,6 +389,7 @@ int main(void)
     tcase_add_test(laws, layers_decide_which_side_is_wrong);
     tcase_add_test(laws, what_is_clean_stays_bit_for_bit);
     tcase_add_test(laws, velocities_and_pins_stay);
+    tcase_add_test(laws, an_obstacle_waits);
     tcase_add_test(laws, bad_arguments_are_refused);
     tcase_add_loop_test(laws, every_allocation_may_fail, 0, 2);
     tcase_add_test(laws, a_trace_cuts_off_the_smaller_part);
