@@ -93,8 +93,8 @@ static PercaleCounters fall(PercaleReuse reuse, bool is_told_wrong, uint64_t *ha
         for (uint32_t b = 0; frame == FALL && is_told_wrong && b < solver->candidates.lists[0].block_count;
              b++) {
             PercaleBlockPairs *pairs = &solver->candidates.lists[0].pairs[b];
-            for (size_t i = 0; i < pairs->count; i++) {
-                pairs->bounds[i] = 1.0f;
+            for (uint32_t i = 0; i < pairs->count; i++) {
+                page_of_pair(pairs, i)->bounds[i % PAGE_PAIRS] = 1.0f;
             }
         }
         PERCALE_TEST_OK(solver, percale_solver_step(solver, 1.0 / 60.0));

@@ -343,7 +343,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     for (uint32_t i = 0; candidates->lists != NULL && i < candidates->list_count; i++) {
         PercaleCandidateList *list = &candidates->lists[i];
         for (uint32_t b = 0; list->pairs != NULL && b < list->block_count; b++) {
-            percale_memory_free(memory, list->pairs[b].bounds);
+            percale_memory_free(memory, list->pairs[b].pages);
         }
         percale_memory_free(memory, list->pairs);
         percale_memory_free(memory, list->first_pair);
@@ -355,6 +355,7 @@ void percale_candidates_free(PercaleCandidates *candidates, PercaleMemory *memor
     for (uint32_t o = 0; candidates->flats != NULL && o < candidates->model->obstacle_count; o++) {
         percale_flat_free(&candidates->flats[o], memory);
     }
+    percale_pair_pool_free(&candidates->pool, memory);
     percale_memory_free(memory, candidates->lists);
     percale_memory_free(memory, candidates->flats);
     percale_memory_free(memory, candidates->spent.blocks);

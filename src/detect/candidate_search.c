@@ -1,13 +1,13 @@
 #include "detect/candidate_search.h"
 
-#include <string.h>
-
 /// The items of one list, to be asked for.
 typedef struct Search {
     const PercaleCandidates *candidates;
     const PercaleCandidateList *list;
     PercaleNeighborhood hood;
     const PercaleTree *tree;
+    PercalePairPool *pool;
+    PercaleMemory *pool_memory;
     const uint32_t *spent; // blocks of the list
     float farthest;        // m, that a pair's bound may be
 } Search;
@@ -205,31 +205,6 @@ static bool find_group(const Search *search, PercaleCollector *collector, uint32
     return complete;
 }
 
-/// Room for that many pairs, and for some more when there was none: a block's count goes up and down. What
-/// was there is forgotten.
-static bool reserve_pairs(PercaleBlockPairs *pairs, size_t count, bool watched, PercaleMemory *memory)
-{
-    pairs->count = 0;
-    pairs->lost = 0.0f;
-    if (count <= pairs->capacity) {
-        return true;
-    }
-    size_t capacity = count + count / 8 + 8;
-    size_t size = sizeof(pairs->bounds[0]) + sizeof(pairs->distances[0]) + sizeof(pairs->primitives[0]) +
-                  (watched ? sizeof(pairs->watched[0]) : 0);
-    percale_memory_free(memory, pairs->bounds);
-    *pairs = (PercaleBlockPairs){0};
-    pairs->bounds = capacity <= UINT32_MAX ? percale_memory_new(memory, capacity, size) : NULL;
-    if (pairs->bounds == NULL) {
-        return false;
-    }
-    pairs->distances = pairs->bounds + capacity;
-    pairs->primitives = (uint32_t *)(void *)(pairs->distances + capacity);
-    pairs->watched = watched ? (uint8_t *)(pairs->primitives + capacity) : NULL;
-    pairs->capacity = (uint32_t)capacity;
-    return true;
-}
-
 /// Finds the pairs of a block's items.
 static bool find_block(const Search *search, PercaleCollector *collector, uint32_t b)
 {
@@ -244,23 +219,24 @@ static bool find_block(const Search *search, PercaleCollector *collector, uint32
     }
     const PercaleItemPairList *found = &collector->pairs;
     if (!complete || !collector->complete ||
-        !reserve_pairs(pairs, found->count, list->smooth != NULL, &collector->memory)) {
+        !percale_pair_pages_take(search->pool, pairs, found->count, &collector->memory,
+                                 search->pool_memory)) {
         return false;
     }
     float since = candidates->bounded ? 0.0f : candidates->blocks.items[list->first_block + b].drifted;
     float ahead = list->widest - list->waiting;
+    uint32_t watched = list->smooth != NULL ? PAIR_WATCHED : 0; // as far as is known
+    pairs->lost = 0.0f;
     for (uint32_t item = list->first_item[b]; item < end; item++) {
         while (pairs->count < found->count && found->items[pairs->count].place == item) {
             uint32_t i = pairs->count++;
+            PercalePairPage *page = page_of_pair(pairs, i);
             float distance = found->items[i].distance;
-            pairs->primitives[i] = found->items[i].primitive;
-            pairs->distances[i] = distance;
-            pairs->bounds[i] = fminf(distance, search->farthest) - ahead - since;
+            page->primitives[i % PAGE_PAIRS] = found->items[i].primitive | watched;
+            page->distances[i % PAGE_PAIRS] = distance;
+            page->bounds[i % PAGE_PAIRS] = fminf(distance, search->farthest) - ahead - since;
         }
         list->ends[item] = pairs->count;
-    }
-    if (pairs->watched != NULL) {
-        memset(pairs->watched, 1, pairs->count); // as far as is known
     }
     return true;
 }
@@ -316,9 +292,14 @@ bool percale_candidates_search(PercaleCandidates *candidates, const PercaleCandi
                          {primitives[kind], trees[kind]->arity, stage->from, stage->to, candidates->margin,
                           false, stage->all_near, true},
                          trees[kind],
+                         &candidates->pool,
+                         stage->memory,
                          NULL,
                          list->widest + candidates->margin};
         uint64_t count = spent_of(candidates, list, &search.spent);
+        for (uint64_t b = 0; b < count; b++) { // before any takes some: so it doesn't matter who is first
+            percale_pair_pages_give(&candidates->pool, &list->pairs[search.spent[b] - list->first_block]);
+        }
         complete = percale_collect(stage->team, count * BLOCK_WORK, find_blocks, &search, stage->collectors,
                                    stage->memory, &(PercaleCollected){0});
         *tested += stage->collectors->candidates;

@@ -90,7 +90,7 @@ static void forget_pairs(PercaleCandidates *candidates)
 {
     for (uint32_t i = 0; i < candidates->list_count; i++) {
         for (uint32_t b = 0; b < candidates->lists[i].block_count; b++) {
-            candidates->lists[i].pairs[b].count = 0;
+            percale_pair_pages_give(&candidates->pool, &candidates->lists[i].pairs[b]);
         }
     }
 }
@@ -98,8 +98,10 @@ static void forget_pairs(PercaleCandidates *candidates)
 /// Takes what a block has lost from its bounds themselves.
 static void settle_bounds(PercaleBlockPairs *pairs)
 {
-    for (size_t k = 0; k < pairs->count; k++) {
-        pairs->bounds[k] -= pairs->lost;
+    for (uint32_t page = 0; page < pairs->page_count; page++) {
+        for (int k = 0; k < PAGE_PAIRS; k++) {
+            pairs->pages[page]->bounds[k] -= pairs->lost;
+        }
     }
     pairs->lost = 0.0f;
 }
@@ -178,7 +180,6 @@ typedef struct PairRange {
 static void select_found(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
 {
     const PercaleQueries *queries = &visiting->candidates->lists[visiting->list].queries;
-    const float *distances = range->pairs->distances;
     uint32_t place = range->first_place;
     size_t selected = 0;
     for (uint32_t i = range->first; i < range->end; i++) {
@@ -187,7 +188,8 @@ static void select_found(const PercaleVisiting *visiting, const PairRange *range
         }
         float reach = visiting->hood.only_passing ? 0.0f : query_at(queries, place).reach;
         collector->numbers.items[selected] = i;
-        selected += distances[i] <= reach + range->block->moved;
+        float distance = page_of_pair(range->pairs, i)->distances[i % PAGE_PAIRS];
+        selected += distance <= reach + range->block->moved;
     }
     collector->numbers.count = selected;
 }
@@ -197,7 +199,6 @@ static void select_found(const PercaleVisiting *visiting, const PairRange *range
 static void select_bounded(const PercaleVisiting *visiting, const PairRange *range,
                            PercaleCollector *collector)
 {
-    const float *bounds = range->pairs->bounds;
     const PercaleCandidateList *list = &visiting->candidates->lists[visiting->list];
     float reach = visiting->hood.only_passing ? 0.0f : visiting->none_waits ? list->widest : list->waiting;
     float turned = range->block->turned;
@@ -205,16 +206,18 @@ static void select_bounded(const PercaleVisiting *visiting, const PairRange *ran
                  BOUND_ROUNDED * visiting->candidates->reach.far;
     uint32_t *numbers = collector->numbers.items;
     size_t selected = 0;
-    uint32_t i = range->first;
-    for (; i + WIDE <= range->end; i += WIDE) {
-        uint32_t bits = lane_bits(at_most8(load8(bounds + i), all8(most)));
-        for (; bits != 0; bits &= bits - 1) {
-            numbers[selected++] = i + (uint32_t)__builtin_ctz(bits);
+    for (uint32_t i = range->first; i < range->end;) {
+        const float *bounds = page_of_pair(range->pairs, i)->bounds + i % PAGE_PAIRS;
+        if (i % PAGE_PAIRS + WIDE <= PAGE_PAIRS && i + WIDE <= range->end) {
+            uint32_t bits = lane_bits(at_most8(load8(bounds), all8(most)));
+            for (; bits != 0; bits &= bits - 1) {
+                numbers[selected++] = i + (uint32_t)__builtin_ctz(bits);
+            }
+            i += WIDE;
+        } else {
+            numbers[selected] = i++;
+            selected += bounds[0] <= most;
         }
-    }
-    for (; i < range->end; i++) {
-        numbers[selected] = i;
-        selected += bounds[i] <= most;
     }
     collector->numbers.count = selected;
 }
@@ -239,7 +242,6 @@ static bool is_touched(const PercaleVisiting *visiting, const PercaleItemPair *p
 /// touched point.
 static void name_pairs(const PercaleVisiting *visiting, const PairRange *range, PercaleCollector *collector)
 {
-    const PercaleBlockPairs *pairs = range->pairs;
     uint32_t *numbers = collector->numbers.items;
     uint32_t place = range->first_place;
     size_t kept = 0;
@@ -248,7 +250,9 @@ static void name_pairs(const PercaleVisiting *visiting, const PairRange *range, 
         while (range->ends[place] <= i) {
             place++;
         }
-        PercaleItemPair pair = {place, pairs->primitives[i], pairs->distances[i]};
+        const PercalePairPage *page = page_of_pair(range->pairs, i);
+        PercaleItemPair pair = {place, page->primitives[i % PAGE_PAIRS] & ~PAIR_WATCHED,
+                                page->distances[i % PAGE_PAIRS]};
         numbers[kept] = i;
         collector->touched.items[kept] = pair;
         kept += visiting->touched == NULL || is_touched(visiting, &pair);
@@ -287,9 +291,10 @@ static void write_bounds(const PercaleVisiting *visiting, const PairRange *range
     for (size_t i = 0; i < collector->touched.count; i++) {
         uint32_t pair = collector->numbers.items[i];
         float distance = collector->touched.items[i].distance;
-        bool waits = range->pairs->watched != NULL && !range->pairs->watched[pair];
+        PercalePairPage *page = page_of_pair(range->pairs, pair);
+        bool waits = list->smooth != NULL && (page->primitives[pair % PAGE_PAIRS] & PAIR_WATCHED) == 0;
         float ahead = waits ? 0.0f : list->widest - list->waiting;
-        range->pairs->bounds[pair] = (distance < far ? distance : far) - ahead + range->pairs->lost;
+        page->bounds[pair % PAGE_PAIRS] = (distance < far ? distance : far) - ahead + range->pairs->lost;
     }
 }
 
@@ -302,8 +307,9 @@ static void drop_waiting(const PercaleVisiting *visiting, const PairRange *range
     for (size_t i = 0; i < found->count; i++) {
         PercaleNeighbor neighbor = found->items[i];
         found->items[kept] = neighbor;
+        uint32_t pair = collector->numbers.items[neighbor.pair];
         kept += neighbor.may_pass || neighbor.distance <= waiting ||
-                range->pairs->watched[collector->numbers.items[neighbor.pair]];
+                (page_of_pair(range->pairs, pair)->primitives[pair % PAGE_PAIRS] & PAIR_WATCHED) != 0;
     }
     found->count = kept;
 }
@@ -312,14 +318,18 @@ static void drop_waiting(const PercaleVisiting *visiting, const PairRange *range
 static void write_watched(const PercaleCandidateList *list, const PairRange *range,
                           const PercaleCollector *collector)
 {
-    uint8_t *watched = range->pairs->watched;
     for (size_t i = 0; i < collector->touched.count; i++) {
         uint32_t place = collector->touched.items[i].place;
-        watched[collector->numbers.items[i]] = !list->smooth[query_item(&list->queries, place)];
+        bool always = !list->smooth[query_item(&list->queries, place)];
+        uint32_t pair = collector->numbers.items[i];
+        page_of_pair(range->pairs, pair)->primitives[pair % PAGE_PAIRS] =
+            collector->touched.items[i].primitive | (always ? PAIR_WATCHED : 0);
     }
     for (size_t i = 0; i < collector->found.count; i++) {
         const PercaleNeighbor *neighbor = &collector->found.items[i];
-        watched[collector->numbers.items[neighbor->pair]] |= neighbor->watched;
+        uint32_t pair = collector->numbers.items[neighbor->pair];
+        page_of_pair(range->pairs, pair)->primitives[pair % PAGE_PAIRS] |=
+            neighbor->watched ? PAIR_WATCHED : 0;
     }
 }
 

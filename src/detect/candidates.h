@@ -17,6 +17,7 @@
 #include "detect/blocks.h"
 #include "detect/collect.h"
 #include "detect/flat.h"
+#include "detect/pair_pages.h"
 #include "model/model.h"
 
 // Thicknesses within which two features get a stencil: half of one is for what the solver moves them in a
@@ -27,18 +28,6 @@ static const float REACH_SLACK = 1.001f; // candidates are looked for that much 
 // Thicknesses below which an edge of the cloth and an obstacle's get their first: above it vertices and faces
 // keep them apart. Once they have one they keep it within reach.
 static const float EDGES_WAIT = 0.9f;
-
-/// The pairs of a block, by item, in one piece of memory that begins with the bounds.
-typedef struct PercaleBlockPairs {
-    float
-        *bounds; // m; when the blocks were last remembered, a pair was no nearer than this less what is lost
-    float *distances; // m, when they were found
-    uint32_t *primitives;
-    uint8_t *watched; // who asked last wants to see the pair as long as it is within reach; else only when it
-                      // is nearer than pairs wait; NULL: none waits
-    uint32_t count, capacity;
-    float lost;
-} PercaleBlockPairs;
 
 /// The pairs of one kind of item: of each block those that were found for its items, by item.
 typedef struct PercaleCandidateList {
@@ -59,9 +48,10 @@ typedef struct PercaleCandidateList {
 
 typedef struct PercaleCandidates {
     const PercaleModel *model;
-    PercaleTree faces, edges;    // of the cloth; edges only where they collide
-    uint32_t *last_edges;        // [lowest nodes of the tree over edges] the greatest edge in each
-    bool cloth, obstacles;       // what collides with the cloth
+    PercaleTree faces, edges; // of the cloth; edges only where they collide
+    uint32_t *last_edges;     // [lowest nodes of the tree over edges] the greatest edge in each
+    bool cloth, obstacles;    // what collides with the cloth
+    PercalePairPool pool;
     PercaleCandidateList *lists; // [list_count] faces and edges by turns: cloth's items, then each obstacle's
     uint32_t list_count;
     PercaleFlat *flats;      // [obstacle_count] whose items are in no list
