@@ -119,6 +119,10 @@ static PercaleResult check_counts(const PercaleSolverDef *def, PercaleMessage *m
                             "passes %d is not in 1..%d (substeps x iterations = %d x %d)", def->passes,
                             def->substeps * def->iterations, def->substeps, def->iterations);
     }
+    if (def->levels < 0 || def->levels > PERCALE_MAX_LEVELS) {
+        return percale_fail(message, PERCALE_INVALID_ARGUMENT, "levels %d is not in 0..%d", def->levels,
+                            PERCALE_MAX_LEVELS);
+    }
     if (def->thread_count < 1 || def->thread_count > PERCALE_MAX_THREADS) {
         return percale_fail(message, PERCALE_INVALID_ARGUMENT, "thread count %d is not in 1..%d",
                             def->thread_count, PERCALE_MAX_THREADS);
@@ -216,6 +220,9 @@ void percale_solver_destroy(PercaleSolver *solver)
     percale_batches_free(&solver->edges, &solver->color_memory);
     percale_batches_free(&solver->hinges, &solver->color_memory);
     percale_batches_free(&solver->contacts, &solver->color_memory);
+    for (int level = 0; level < COARSE_LEVELS_MAX; level++) {
+        percale_batches_free(&solver->links[level], &solver->color_memory);
+    }
     percale_coloring_free(&solver->static_coloring, &solver->color_memory);
     percale_coloring_free(&solver->contact_coloring, &solver->color_memory);
     percale_arena_free(&solver->arena);
@@ -299,10 +306,14 @@ enum { TILE_POINTS = 1024 };
 static bool batch_constraints(PercaleSolver *solver)
 {
     PercaleModel *model = &solver->model;
-    return percale_batch_edges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
-                               &solver->edges) &&
-           percale_batch_hinges(model, TILE_POINTS, &solver->static_coloring, &solver->color_memory,
-                                &solver->hinges);
+    PercaleColoring *coloring = &solver->static_coloring;
+    PercaleMemory *memory = &solver->color_memory;
+    bool complete = percale_batch_edges(model, TILE_POINTS, coloring, memory, &solver->edges) &&
+                    percale_batch_hinges(model, TILE_POINTS, coloring, memory, &solver->hinges);
+    for (uint32_t i = 0; complete && i < model->coarse.level_count; i++) {
+        complete = percale_batch_links(&model->coarse.levels[i], coloring, memory, &solver->links[i]);
+    }
+    return complete;
 }
 
 /// *array gets `count` elements, no memory for none. Returns false without memory.
@@ -374,7 +385,7 @@ static PercaleResult assemble(PercaleSolver *solver)
     bool edges_collide =
         solver->def.edge_edge != 0 && solver->def.vertex_face != 0 && solver->objects.obstacle_count > 0;
     PercaleParts parts = {solver->def.bending != 0, solver->def.tethers != 0,
-                          solver->def.self_collision != 0 || edges_collide};
+                          solver->def.self_collision != 0 || edges_collide, (uint32_t)solver->def.levels};
     PercaleResult result = percale_model_assemble(&solver->model, &solver->objects, parts,
                                                   &solver->model_memory, &solver->error);
     if (result == PERCALE_OK && (!batch_constraints(solver) || !allocate_solve(solver))) {

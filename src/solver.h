@@ -35,6 +35,7 @@ struct PercaleSolver {
     PercaleModel model;
     PercaleColoring static_coloring, contact_coloring;
     PercaleBatches edges, hinges, contacts;
+    PercaleBatches links[COARSE_LEVELS_MAX]; // of the model's coarse levels
 
     PercaleProximity *proximities;               // [obstacle_count]
     PercaleFrame *frames;                        // [obstacle_count] of the running substep

@@ -30,7 +30,7 @@ static PercaleSolverDef at_rest(const PercaleSolverDef *own, int substeps)
     def.iterations = 1;
     def.reuse = PERCALE_REUSE_AUTO;
     def.vertex_face = def.edge_edge = def.self_collision = def.guard = 1;
-    def.guard_passes = def.tethers = def.bending = 0;
+    def.guard_passes = def.tethers = def.bending = def.levels = 0;
     return def;
 }
 

@@ -301,6 +301,9 @@ static PercaleResult run_substep(Substep *substep)
             result = percale_detect_contacts(substep, pass, first);
             result = result == PERCALE_OK ? percale_color_contacts(substep, pass) : result;
         }
+        if (result == PERCALE_OK && first) {
+            result = percale_solve_coarse(substep);
+        }
         uint64_t next = sweep + 1;
         while (next < end && !is_pass_due(def, next)) {
             next++;

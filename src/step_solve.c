@@ -3,6 +3,7 @@
 #include "substep.h"
 
 #include "base/parallel.h"
+#include "solve/coarse_sweep.h"
 #include "solve/held_bending.h"
 
 #include <stdatomic.h>
@@ -145,6 +146,25 @@ PercaleResult percale_hold_bending(Substep *substep)
     uint64_t bend = (uint64_t)held.plan.sweep_count * solver->model.hinge_count;
     solver->counters.projections_bend += bend;
     solver->counters.projections += bend;
+    end_stage(substep, PERCALE_STAGE_SOLVE);
+    return PERCALE_OK;
+}
+
+PercaleResult percale_solve_coarse(Substep *substep)
+{
+    PercaleSolver *solver = substep->solver;
+    const PercaleCoarse *coarse = &solver->model.coarse;
+    if (solver->def.levels == 0 || coarse->level_count == 0) {
+        return PERCALE_OK;
+    }
+    if (!percale_coarse_sweep(coarse, solver->links, solver->model.predicted, substep->team,
+                              &solver->arena)) {
+        return percale_fail_memory(&solver->error);
+    }
+    for (uint32_t i = 0; i < coarse->level_count; i++) {
+        solver->counters.projections_link += coarse->levels[i].link_count;
+        solver->counters.projections += coarse->levels[i].link_count;
+    }
     end_stage(substep, PERCALE_STAGE_SOLVE);
     return PERCALE_OK;
 }

@@ -127,6 +127,9 @@ PercaleSolveArrays percale_solve_arrays(const Substep *substep);
 PercaleResult percale_hold_bending(Substep *substep);
 
 PercaleResult percale_color_contacts(Substep *substep, bool pass);
+
+/// Once over the coarse levels, before the first sweep.
+PercaleResult percale_solve_coarse(Substep *substep);
 PercaleResult percale_solve(Substep *substep, uint32_t sweep_count);
 
 /// After the last sweep: outer layers give way; the slip that friction still owes. False without memory.

@@ -245,7 +245,7 @@ grep -q 'state hash' "$said.out" || complain "run: no table on stdout"
 # shellcheck disable=SC2086 # lists of words
 same_keys report.json percale scene preset threads isa frames vertices triangles obstacle_triangles settings \
     $settings ms_per_frame_median ms_per_frame_p90 ms_per_frame_last60 stage_ms predict detect untangle color \
-    solve finish work projections projections_stretch projections_bend projections_tether projections_seam \
+    solve finish work projections projections_stretch projections_bend projections_tether projections_link projections_seam \
     projections_contact candidates stencils_vf stencils_ee rays detections detections_skipped missed \
     born_crossed pinched left_inside left_crossed truncated colors_max overflow last_crossed_frame quality $quality quality_last \
     $quality bytes model detect color solve arena peak_bytes state_hash

@@ -73,7 +73,7 @@ static inline void open_scene(Scene *scene, PercaleMesh mesh)
     scene->all.obstacles = scene->objects;
     scene->all.obstacle_count = 2;
     PERCALE_TEST_OK(NULL,
-                    percale_model_assemble(&scene->model, &scene->all, (PercaleParts){true, true, false},
+                    percale_model_assemble(&scene->model, &scene->all, (PercaleParts){true, true, false, 0},
                                            &scene->memory, &scene->message));
     scene->points = percale_memory_new(&scene->memory, scene->model.point_count, sizeof(f32x4));
     if (scene->points == NULL) {

@@ -207,8 +207,8 @@ START_TEST(the_profile_adds_up)
     ck_assert_double_eq(profile.stage_seconds[PERCALE_STAGE_UNTANGLE], 0.0);
     PercaleCounters counters = percale_solver_counters(scene->solver);
     ck_assert_uint_eq(counters.projections, counters.projections_stretch + counters.projections_bend +
-                                                counters.projections_tether + counters.projections_seam +
-                                                counters.projections_contact);
+                                                counters.projections_tether + counters.projections_link +
+                                                counters.projections_seam + counters.projections_contact);
     PercaleBytes bytes = percale_solver_bytes(scene->solver);
     ck_assert(bytes.model > 0 && bytes.detect > 0 && bytes.color > 0 && bytes.solve > 0 && bytes.arena > 0);
     percale_solver_destroy(NULL);

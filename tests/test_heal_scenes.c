@@ -54,9 +54,10 @@ int main(void)
     TCase *scenes = tcase_create("scenes");
     tcase_add_test(scenes, a_tucked_in_jacket_comes_out);
     suite_add_tcase(suite, scenes);
+    tcase_set_tags(scenes, PERCALE_ANY_ENGINE);
     TCase *clean = tcase_create("clean");
     tcase_add_loop_test(clean, what_is_not_tangled_never_notices, 0, 2);
-    tcase_set_tags(clean, PERCALE_ONE_THREAD);
+    tcase_set_tags(clean, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     suite_add_tcase(suite, clean);
     return percale_test_run(suite);
 }

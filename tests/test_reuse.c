@@ -5,7 +5,7 @@
 #include "solver.h"
 #include "testing.h"
 
-enum { SIZE = 900, FRAMES = PERCALE_SANITIZED ? 2 : 5, LAYERED_SIZE = 3000 };
+enum { SIZE = PERCALE_SANITIZED ? 400 : 900, FRAMES = PERCALE_SANITIZED ? 2 : 5, LAYERED_SIZE = 3000 };
 
 typedef struct Case {
     const char *scene;

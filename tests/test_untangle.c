@@ -380,7 +380,7 @@ int main(void)
     tcase_add_loop_test(sets, standard_case_comes_apart, 0, STANDARD_COUNT);
     tcase_add_loop_test(sets, nothing_is_made_worse, 0, 2);
     tcase_add_loop_test(sets, momentum_survives_untangling, 0, 4);
-    tcase_set_tags(sets, PERCALE_ONE_THREAD);
+    tcase_set_tags(sets, PERCALE_ONE_THREAD " " PERCALE_ANY_ENGINE);
     tcase_set_timeout(sets, 60.0);
     TCase *threads = tcase_create("threads");
     tcase_add_loop_test(threads, one_thread_equals_seven, 0, TANGLE_KINDS);

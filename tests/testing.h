@@ -22,8 +22,8 @@
 #define PERCALE_SANITIZED 0
 #endif
 
-// Tags of test cases (tcase_set_tags), where the time matters: the presets avx2 and tsan leave some out
-// (CK_EXCLUDE_TAGS). A case without a tag runs in every build.
+// Tags of test cases (tcase_set_tags), where the time matters: the presets avx2, clang and tsan leave some
+// out (CK_EXCLUDE_TAGS). A case without a tag runs in every build.
 
 #define PERCALE_ONE_THREAD "one_thread" // no other thread runs: there is no race to find
 #define PERCALE_ANY_ENGINE "any_engine" // sees the solver from outside: test_engines says that all are one

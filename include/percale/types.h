@@ -25,6 +25,7 @@ extern "C" {
 #define PERCALE_VERSION_PATCH 0
 
 #define PERCALE_MAX_THREADS 256
+#define PERCALE_MAX_LEVELS  8
 
 /// What a call that can fail on the caller's data returns. The text with the culprit is in
 /// percale_solver_last_error.
@@ -106,6 +107,9 @@ typedef struct PercaleSolverDef {
     int untangle; ///< 1: cloth that goes through cloth it collides with is taken apart over the steps
     int tethers;  ///< 1: no vertex is farther from a pin than the cloth is long (where it has no compliance)
     int bending;  ///< 1: cloth resists bending
+    int levels;   ///< 0..PERCALE_MAX_LEVELS; coarse levels of cloth without compliance, each with a sixteenth
+                  ///< of the points of the one below, that are pulled to their lengths before each substep's
+                  ///< sweeps: less stretch for little time (MATH.md, section 4); 3 suit 100,000 vertices
     PercaleLogFunction *log; ///< one line per error or warning, and where percale_solver_quality finds
                              ///< crossings, without a newline; NULL: silent
     void *log_user;
@@ -206,6 +210,7 @@ typedef struct PercaleProfile {
     X(projections_stretch)  \
     X(projections_bend)     \
     X(projections_tether)   \
+    X(projections_link)     \
     X(projections_seam)     \
     X(projections_contact)  \
     X(candidates)           \

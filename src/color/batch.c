@@ -17,6 +17,7 @@ typedef struct Table {
     uint32_t arity, count; // vertices per constraint, constraints
     Column columns[3];     // the vertices first
     int column_count;
+    uint32_t point_count; // that the vertices are numbers of
 } Table;
 
 static const uint32_t *vertices_at(const Table *table, uint32_t index)
@@ -157,16 +158,15 @@ static bool end_batches(PercaleBatches *batches, PercaleMemory *memory)
 
 /// Colours the constraints [first, end) of the table among themselves, adds their runs and writes their
 /// order.
-static bool color_group(const Table *table, uint32_t first, uint32_t end, const PercaleModel *model,
-                        PercaleColoring *coloring, PercaleMemory *memory, PercaleBatches *batches,
-                        uint32_t *order)
+static bool color_group(const Table *table, uint32_t first, uint32_t end, PercaleColoring *coloring,
+                        PercaleMemory *memory, PercaleBatches *batches, uint32_t *order)
 {
     PercaleConstraints constraints = {.vertices = vertices_at(table, first),
                                       .vertex_stride = table->arity,
                                       .arity = table->arity,
                                       .count = end - first,
                                       .all_take_part = true};
-    if (!percale_coloring_run(coloring, memory, &constraints, model->position, model->point_count) ||
+    if (!percale_coloring_run(coloring, memory, &constraints, NULL, table->point_count) ||
         !add_runs(batches, memory, coloring, first)) {
         return false;
     }
@@ -185,14 +185,14 @@ static void hold_offsets(const Table *table)
     }
 }
 
-static bool batch_table(const Table *table, const PercaleModel *model, uint32_t tile_points,
-                        PercaleColoring *coloring, PercaleMemory *memory, PercaleBatches *batches)
+static bool batch_table(const Table *table, uint32_t tile_points, PercaleColoring *coloring,
+                        PercaleMemory *memory, PercaleBatches *batches)
 {
     size_t widest = 0;
     for (int c = 0; c < table->column_count; c++) {
         widest = table->columns[c].element_size > widest ? table->columns[c].element_size : widest;
     }
-    PercaleTiling tiling = tiling_of(model->slot_count, tile_points);
+    PercaleTiling tiling = tiling_of(table->point_count, tile_points);
     uint32_t tile_count = tiling.first_tile[tiling.level_count];
     uint32_t *order = percale_memory_new(memory, table->count, sizeof(uint32_t));
     uint32_t *tile_first = percale_memory_new(memory, (size_t)tile_count + 2, sizeof(uint32_t));
@@ -207,8 +207,7 @@ static bool batch_table(const Table *table, const PercaleModel *model, uint32_t 
     }
     for (uint32_t t = 0; complete && t <= tile_count; t++) {
         batches->tile_first_run[t] = batches->run_count;
-        complete =
-            color_group(table, tile_first[t], tile_first[t + 1], model, coloring, memory, batches, order);
+        complete = color_group(table, tile_first[t], tile_first[t + 1], coloring, memory, batches, order);
     }
     if (complete && end_batches(batches, memory)) {
         batches->tiling = tiling;
@@ -234,8 +233,9 @@ bool percale_batch_edges(PercaleModel *model, uint32_t tile_points, PercaleColor
                    {{model->edges, sizeof(model->edges[0])},
                     {model->edge_lengths, sizeof(float)},
                     {model->edge_compliances, sizeof(float)}},
-                   model->edge_compliances != NULL ? 3 : 2};
-    return batch_table(&table, model, tile_points, coloring, memory, batches);
+                   model->edge_compliances != NULL ? 3 : 2,
+                   model->slot_count};
+    return batch_table(&table, tile_points, coloring, memory, batches);
 }
 
 bool percale_batch_hinges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,
@@ -246,8 +246,20 @@ bool percale_batch_hinges(PercaleModel *model, uint32_t tile_points, PercaleColo
                    {{model->hinges, sizeof(model->hinges[0])},
                     {model->hinge_weights, sizeof(f32x4)},
                     {model->hinge_stiffnesses, sizeof(float)}},
-                   3};
-    return batch_table(&table, model, tile_points, coloring, memory, batches);
+                   3,
+                   model->slot_count};
+    return batch_table(&table, tile_points, coloring, memory, batches);
+}
+
+bool percale_batch_links(PercaleCoarseLevel *level, PercaleColoring *coloring, PercaleMemory *memory,
+                         PercaleBatches *batches)
+{
+    Table table = {2,
+                   level->link_count,
+                   {{level->links, sizeof(level->links[0])}, {level->link_lengths, sizeof(float)}},
+                   2,
+                   level->node_count};
+    return batch_table(&table, 0, coloring, memory, batches);
 }
 
 bool percale_batch_coloring(const PercaleColoring *coloring, PercaleMemory *memory, PercaleBatches *batches)

@@ -43,6 +43,10 @@ bool percale_batch_edges(PercaleModel *model, uint32_t tile_points, PercaleColor
 bool percale_batch_hinges(PercaleModel *model, uint32_t tile_points, PercaleColoring *coloring,
                           PercaleMemory *memory, PercaleBatches *batches);
 
+/// The same for the links of a coarse level, over its nodes, without tiles.
+bool percale_batch_links(PercaleCoarseLevel *level, PercaleColoring *coloring, PercaleMemory *memory,
+                         PercaleBatches *batches);
+
 /// Runs of a coloring as it stands, without tiles; the constraints are found through coloring->order.
 bool percale_batch_coloring(const PercaleColoring *coloring, PercaleMemory *memory, PercaleBatches *batches);
 

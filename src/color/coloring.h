@@ -47,7 +47,7 @@ typedef struct PercaleConstraints {
     const uint8_t *waits; // [count] those that choose after the others; NULL: none
 } PercaleConstraints;
 
-/// points[v][3] is the inverse mass. False without memory.
+/// points[v][3] is the inverse mass; NULL where all take part. False without memory.
 bool percale_coloring_run(PercaleColoring *coloring, PercaleMemory *memory,
                           const PercaleConstraints *constraints, const f32x4 *points, uint32_t point_count);
 void percale_coloring_free(PercaleColoring *coloring, PercaleMemory *memory);

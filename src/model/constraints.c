@@ -137,15 +137,34 @@ static bool build_hinges(PercaleModel *model, const PercaleEdges *edges, const R
     return true;
 }
 
-/// Tethers along the triangles' sides, as each has them at rest.
-static bool build_tethers(PercaleModel *model, const RestTriangle *rest, PercaleMemory *memory)
+static float mean_edge(const PercaleModel *model)
 {
+    double sum = 0.0;
+    for (uint32_t e = 0; e < model->edge_count; e++) {
+        sum += (double)model->edge_lengths[e];
+    }
+    return model->edge_count > 0 ? (float)(sum / model->edge_count) : 0.0f;
+}
+
+/// Tethers and coarse levels: along the triangles' sides, as each has them at rest.
+static bool build_far(PercaleModel *model, const RestTriangle *rest, PercaleParts parts,
+                      PercaleMemory *memory)
+{
+    bool levels = parts.levels > 0 && model->edge_compliances == NULL;
+    if (!parts.tethers && !levels) {
+        return true;
+    }
     float(*lengths)[3] = percale_memory_new(memory, model->cloth.triangle_count, sizeof(lengths[0]));
     bool complete = lengths != NULL;
     for (uint32_t t = 0; complete && t < model->cloth.triangle_count; t++) {
         memcpy(lengths[t], rest[t].lengths, sizeof(lengths[t]));
     }
-    complete = complete && percale_tethers_build(model, (const float(*)[3])lengths, memory);
+    PercaleGeodesicMesh mesh = {
+        model->slot_count,          model->cloth.triangle_count,    model->cloth.triangles,
+        (const float(*)[3])lengths, model->cloth.vertex_first_face, model->cloth.vertex_faces};
+    complete = complete && (!parts.tethers || percale_tethers_build(model, &mesh, memory)) &&
+               (!levels || percale_coarse_build(&model->coarse, &mesh, model->position, mean_edge(model),
+                                                parts.levels, memory));
     percale_memory_free(memory, lengths);
     return complete;
 }
@@ -159,7 +178,7 @@ bool percale_model_build_constraints(PercaleModel *model, const PercaleObjects *
                     percale_edges_build(cloth->triangles, cloth->triangle_count, memory, &cloth->edges) &&
                     build_edges(model, &cloth->edges, rest, memory) &&
                     (!parts.bending || build_hinges(model, &cloth->edges, rest, memory)) &&
-                    (!parts.tethers || build_tethers(model, rest, memory));
+                    build_far(model, rest, parts, memory);
     if (!parts.pairs) {
         percale_edges_free(&cloth->edges, memory);
     }

@@ -7,32 +7,23 @@
 static const uint32_t NOT_QUEUED = UINT32_MAX;
 static const uint32_t SETTLED = UINT32_MAX - 1;
 
-/// Vertices by distance, the nearest first; ties by number, so that the order is always the same.
-typedef struct Front {
-    const PercaleGeodesicMesh *mesh;
-    float *distances;
-    uint32_t *nearest;
-    uint32_t *heap;
-    uint32_t *place; // [vertex_count] in the heap, NOT_QUEUED or SETTLED
-    uint32_t count;
-} Front;
+// ---- heap: vertices by distance, the nearest first; ties by number, so that the order is always the same
+// ----
 
-// ---- heap ----
-
-static bool comes_before(const Front *front, uint32_t a, uint32_t b)
+static bool comes_before(const PercaleGeodesicFront *front, uint32_t a, uint32_t b)
 {
     float da = front->distances[a];
     float db = front->distances[b];
     return da < db || (da <= db && a < b);
 }
 
-static void put(Front *front, uint32_t place, uint32_t vertex)
+static void put(PercaleGeodesicFront *front, uint32_t place, uint32_t vertex)
 {
     front->heap[place] = vertex;
     front->place[vertex] = place;
 }
 
-static void rise(Front *front, uint32_t place)
+static void rise(PercaleGeodesicFront *front, uint32_t place)
 {
     uint32_t vertex = front->heap[place];
     while (place > 0 && comes_before(front, vertex, front->heap[(place - 1) / 2])) {
@@ -42,7 +33,7 @@ static void rise(Front *front, uint32_t place)
     put(front, place, vertex);
 }
 
-static uint32_t take_nearest(Front *front)
+static uint32_t take_nearest(PercaleGeodesicFront *front)
 {
     uint32_t first = front->heap[0];
     uint32_t vertex = front->heap[--front->count];
@@ -64,14 +55,16 @@ static uint32_t take_nearest(Front *front)
     return first;
 }
 
-static void reach(Front *front, uint32_t vertex, double distance, uint32_t nearest)
+static void reach(PercaleGeodesicFront *front, uint32_t vertex, double distance, uint32_t nearest)
 {
-    if (front->place[vertex] == SETTLED || !((float)distance < front->distances[vertex])) {
+    bool is_new = front->place[vertex] == NOT_QUEUED;
+    if (front->place[vertex] == SETTLED || !((float)distance <= front->radius) ||
+        !(is_new || (float)distance < front->distances[vertex])) {
         return;
     }
     front->distances[vertex] = (float)distance;
     front->nearest[vertex] = nearest;
-    if (front->place[vertex] == NOT_QUEUED) {
+    if (is_new) {
         put(front, front->count, vertex);
         front->count++;
     }
@@ -101,7 +94,7 @@ static double through_side(double ab, double bc, double ca, double da, double db
 }
 
 /// What a settled vertex tells the two others of a triangle.
-static void spread(Front *front, uint32_t triangle, uint32_t corner)
+static void spread(PercaleGeodesicFront *front, uint32_t triangle, uint32_t corner)
 {
     const uint32_t *corners = front->mesh->triangles + 3 * (size_t)triangle;
     const float *lengths = front->mesh->lengths[triangle];
@@ -124,7 +117,7 @@ static void spread(Front *front, uint32_t triangle, uint32_t corner)
     }
 }
 
-static void spread_from(Front *front, uint32_t vertex)
+static void spread_from(PercaleGeodesicFront *front, uint32_t vertex)
 {
     const PercaleGeodesicMesh *mesh = front->mesh;
     for (uint32_t i = mesh->vertex_first_triangle[vertex]; i < mesh->vertex_first_triangle[vertex + 1]; i++) {
@@ -137,10 +130,23 @@ static void spread_from(Front *front, uint32_t vertex)
     }
 }
 
+/// Until nothing is left to reach.
+static void settle_all(PercaleGeodesicFront *front)
+{
+    while (front->count > 0) {
+        uint32_t vertex = take_nearest(front);
+        if (front->reached != NULL) {
+            front->reached[front->reached_count++] = vertex;
+        }
+        spread_from(front, vertex);
+    }
+}
+
 bool percale_geodesic_run(const PercaleGeodesicMesh *mesh, const uint32_t *sources, uint32_t source_count,
                           PercaleMemory *memory, float *distances, uint32_t *nearest)
 {
-    Front front = {mesh, distances, nearest, NULL, NULL, 0};
+    PercaleGeodesicFront front = {
+        .mesh = mesh, .radius = INFINITY, .distances = distances, .nearest = nearest};
     front.heap = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
     front.place = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
     bool complete = front.heap != NULL && front.place != NULL;
@@ -152,10 +158,51 @@ bool percale_geodesic_run(const PercaleGeodesicMesh *mesh, const uint32_t *sourc
     for (uint32_t s = 0; complete && s < source_count; s++) {
         reach(&front, sources[s], 0.0, s);
     }
-    while (complete && front.count > 0) {
-        spread_from(&front, take_nearest(&front));
+    if (complete) {
+        settle_all(&front);
     }
     percale_memory_free(memory, front.heap);
     percale_memory_free(memory, front.place);
     return complete;
+}
+
+bool percale_geodesic_open(PercaleGeodesicFront *front, const PercaleGeodesicMesh *mesh,
+                           PercaleMemory *memory)
+{
+    *front = (PercaleGeodesicFront){.mesh = mesh};
+    front->distances = percale_memory_new(memory, mesh->vertex_count, sizeof(float));
+    front->nearest = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
+    front->heap = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
+    front->place = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
+    front->reached = percale_memory_new(memory, mesh->vertex_count, sizeof(uint32_t));
+    if (front->distances == NULL || front->nearest == NULL || front->heap == NULL || front->place == NULL ||
+        front->reached == NULL) {
+        percale_geodesic_close(front, memory);
+        return false;
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        front->place[v] = NOT_QUEUED;
+    }
+    return true;
+}
+
+void percale_geodesic_close(PercaleGeodesicFront *front, PercaleMemory *memory)
+{
+    percale_memory_free(memory, front->distances);
+    percale_memory_free(memory, front->nearest);
+    percale_memory_free(memory, front->heap);
+    percale_memory_free(memory, front->place);
+    percale_memory_free(memory, front->reached);
+    *front = (PercaleGeodesicFront){0};
+}
+
+void percale_geodesic_near(PercaleGeodesicFront *front, uint32_t source, float radius)
+{
+    for (uint32_t i = 0; i < front->reached_count; i++) {
+        front->place[front->reached[i]] = NOT_QUEUED;
+    }
+    front->reached_count = 0;
+    front->radius = radius;
+    reach(front, source, 0.0, source);
+    settle_all(front);
 }

@@ -26,4 +26,25 @@ typedef struct PercaleGeodesicMesh {
 bool percale_geodesic_run(const PercaleGeodesicMesh *mesh, const uint32_t *sources, uint32_t source_count,
                           PercaleMemory *memory, float *distances, uint32_t *nearest);
 
+/// Room for many searches around single vertices.
+typedef struct PercaleGeodesicFront {
+    const PercaleGeodesicMesh *mesh;
+    float radius;
+    float *distances;  // [vertex_count] m, of what is reached
+    uint32_t *nearest; // [vertex_count] its source
+    uint32_t *heap;
+    uint32_t *place;   // [vertex_count] in the heap, or that it is not yet, or no longer there
+    uint32_t *reached; // [vertex_count] vertices of the last search, by distance
+    uint32_t count, reached_count;
+} PercaleGeodesicFront;
+
+/// False without memory; then and at the end it is closed.
+bool percale_geodesic_open(PercaleGeodesicFront *front, const PercaleGeodesicMesh *mesh,
+                           PercaleMemory *memory);
+void percale_geodesic_close(PercaleGeodesicFront *front, PercaleMemory *memory);
+
+/// The vertices not farther than `radius` from a source: the first `reached_count` of `reached`, the source
+/// itself first, and their `distances`, until the next search.
+void percale_geodesic_near(PercaleGeodesicFront *front, uint32_t source, float radius);
+
 #endif

@@ -457,6 +457,7 @@ void percale_model_free(PercaleModel *model, PercaleMemory *memory)
     }
     free_surface(&model->cloth, memory);
     percale_near_free(&model->near, memory);
+    percale_coarse_free(&model->coarse, memory);
     void *arrays[] = {
         model->cloths,        model->obstacles,         model->position,         model->velocity,
         model->predicted,     model->next_velocity,     model->cloth_of,         model->triangle_areas,

@@ -10,6 +10,7 @@
 #define PERCALE_MODEL_H
 
 #include "base/simd.h"
+#include "model/coarse.h"
 #include "model/mesh.h"
 #include "model/near.h"
 #include "model/object.h"
@@ -83,6 +84,8 @@ typedef struct PercaleModel {
         *tether_anchors;   // [tether_layers * slot_count] byte offsets of the anchors' points; its own: none
     float *tether_lengths; // [tether_layers * slot_count] m; INFINITY: none
 
+    PercaleCoarse coarse; // levels; once batched, links have byte offsets of their nodes
+
     uint32_t open_seam_count;
     PercaleOpenSeam *open_seams;
 
@@ -113,7 +116,8 @@ static inline uint32_t slot_at(uint32_t offset)
 /// What the solver asks for; the rest takes no memory.
 typedef struct PercaleParts {
     bool bending, tethers;
-    bool pairs; // what cloth and edges need to collide with
+    bool pairs;      // what cloth and edges need to collide with
+    uint32_t levels; // coarse ones
 } PercaleParts;
 
 /// Builds the model; on failure it is left empty. Marks seam pairs that are closed as welded.

@@ -1,7 +1,5 @@
 #include "model/tethers.h"
 
-#include "model/geodesic.h"
-
 static const float SLACK = 1.0002f; // of a tether's length: what the way along the mesh may be too short by
 
 /// The pinned slots, island after island.
@@ -98,15 +96,13 @@ static bool add_layers(PercaleModel *model, const PercaleGeodesicMesh *mesh, con
     return complete;
 }
 
-bool percale_tethers_build(PercaleModel *model, const float (*rest_lengths)[3], PercaleMemory *memory)
+bool percale_tethers_build(PercaleModel *model, const PercaleGeodesicMesh *mesh, PercaleMemory *memory)
 {
     if (model->pinned_count == 0 || model->edge_compliances != NULL) {
         return true;
     }
-    PercaleGeodesicMesh mesh = {model->slot_count, model->cloth.triangle_count,    model->cloth.triangles,
-                                rest_lengths,      model->cloth.vertex_first_face, model->cloth.vertex_faces};
     Islands islands = {0};
-    bool complete = find_islands(model, memory, &islands) && add_layers(model, &mesh, &islands, memory);
+    bool complete = find_islands(model, memory, &islands) && add_layers(model, mesh, &islands, memory);
     free_islands(&islands, memory);
     return complete;
 }

@@ -12,12 +12,13 @@
 #ifndef PERCALE_TETHERS_H
 #define PERCALE_TETHERS_H
 
+#include "model/geodesic.h"
 #include "model/model.h"
 
 enum { TETHER_LAYERS = 4 };
 
-/// Fills the model's tethers; without pins, or where an edge has a compliance, there are none. rest_lengths:
-/// [triangle_count], as the triangles. False without memory.
-bool percale_tethers_build(PercaleModel *model, const float (*rest_lengths)[3], PercaleMemory *memory);
+/// Fills the model's tethers; without pins, or where an edge has a compliance, there are none. mesh: the
+/// cloth's triangles. False without memory.
+bool percale_tethers_build(PercaleModel *model, const PercaleGeodesicMesh *mesh, PercaleMemory *memory);
 
 #endif

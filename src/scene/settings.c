@@ -45,6 +45,8 @@ static const PercaleSettingRow common_rows[PERCALE_SET_COUNT] = {
         "no vertex is farther from a pin than the cloth is long"}, NULL, 0},
     [PERCALE_SET_BENDING] = {{"bending", PERCALE_SETTING_SWITCH, {1}, 0, 1, "", NULL,
         "cloth resists bending"}, NULL, 0},
+    [PERCALE_SET_LEVELS] = {{"levels", PERCALE_SETTING_INTEGER, {0}, 0, PERCALE_MAX_LEVELS, "", NULL,
+        "coarse levels of the cloth, through which a pull reaches 4, 16, 64.. edges far in one sweep"}, NULL, 0},
     [PERCALE_SET_THICKNESS] = {{"thickness", PERCALE_SETTING_NUMBER, {0.002}, 0, 1, "m", NULL,
         "distance kept between two surfaces; 0: a fifth of the median rest edge"}, NULL, 0},
     [PERCALE_SET_FRICTION] = {{"friction", PERCALE_SETTING_NUMBER, {0.3}, 0, 10, "", NULL,
@@ -336,6 +338,7 @@ PercaleSolverDef percale_settings_solver_def(const PercaleSettings *settings, in
     def.untangle = percale_settings_switch(settings, PERCALE_SET_UNTANGLE);
     def.tethers = percale_settings_switch(settings, PERCALE_SET_TETHERS);
     def.bending = percale_settings_switch(settings, PERCALE_SET_BENDING);
+    def.levels = (int)percale_settings_number(settings, PERCALE_SET_LEVELS);
     return def;
 }
 
